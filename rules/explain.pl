@@ -1,0 +1,286 @@
+:- module(explain,
+          [ proof/2,                    % :Goal, -Node
+            best_proof/2,               % :Goal, -Node
+            truth_margin/2,             % :Goal, -Margin
+            nearest_miss/2,             % :Goal, -Node
+            refusal/2,                  % :Goal, -Node
+            why/1                       % :Goal
+          ]).
+:- use_module(library(lists)).
+:- use_module(library(apply)).
+:- use_module(library(aggregate)).
+:- use_module(facts).
+:- use_module(axioms).
+:- use_module(verbalise).
+
+/** <module> Why a relation holds: proofs with margins
+
+One small meta-interpreter over the rules as they stand in their files. It gives each conclusion its proof
+and each step its margin: the number of metres by which a measured length would have to change for the
+step to change its answer. A conjunction has the margin of its weakest part, alternatives that of the
+strongest, and a negation turns the sign round, so any rule a user adds has margins too.
+
+A node is node(Kind, Goal, Margin, Clause, Children) where Kind is one of rule, fact, comparison, negation, conjunction;
+Clause is a clause reference or `none`; Margin is a number, or `inf` where no length is involved.
+*/
+
+:- meta_predicate
+    proof(0, -),
+    best_proof(0, -),
+    truth_margin(0, -),
+    nearest_miss(0, -),
+    refusal(0, -),
+    why(0).
+
+%!  proof(:Goal, -Node) is nondet.
+%
+%   Node is a proof of Goal; on backtracking, the others.
+
+proof(M:Goal, Node) :-
+    prove(Goal, M, [], Node).
+
+%!  best_proof(:Goal, -Node) is semidet.
+%
+%   Node is the shortest proof of Goal and among those the one with the widest margin. Binds Goal.
+
+best_proof(Goal, Node) :-
+    findall(Goal-N, proof(Goal, N), [First|Rest]),
+    foldl(better, Rest, First, Goal-Node).
+
+better(GoalA-A, GoalB-B, Best) :-
+    size(A, SizeA),
+    size(B, SizeB),
+    margin(A, MarginA),
+    margin(B, MarginB),
+    (   ( SizeA < SizeB ; SizeA =:= SizeB, less(MarginB, MarginA) )
+    ->  Best = GoalA-A
+    ;   Best = GoalB-B
+    ).
+
+%!  truth_margin(:Goal, -Margin) is semidet.
+%
+%   Goal holds and keeps holding while every length changes by less than Margin metres.
+
+truth_margin(Goal, Margin) :-
+    findall(M, ( proof(Goal, N), margin(N, M) ), [First|Rest]),
+    foldl(larger, Rest, First, Margin).
+
+%!  nearest_miss(:Goal, -Node) is semidet.
+%
+%   Node is the derivation of Goal that comes closest to holding: its margin tells by how much it fails.
+%   Fails where nothing within reach could make Goal true.
+
+nearest_miss(M:Goal, Node) :-
+    findall(N, approach_whole(Goal, M, N), [First|Rest]),
+    foldl(closer, Rest, First, Node).
+
+approach_whole(Goal, M, Node) :-
+    approach_all(Goal, M, [], Nodes),
+    (   Nodes = [Node]
+    ->  true
+    ;   weakest(Nodes, Margin),
+        Node = node(conjunction, Goal, Margin, none, Nodes)
+    ).
+
+%!  refusal(:Goal, -Node) is semidet.
+%
+%   Node says that Goal does not hold, with the nearest miss below it.
+
+refusal(M:Goal, Node) :-
+    prove(\+ Goal, M, [], Node).
+
+closer(A, B, C) :-
+    margin(A, MA),
+    margin(B, MB),
+    (   less(MB, MA)
+    ->  C = A
+    ;   C = B
+    ).
+
+%   prove(+Goal, +Module, +Ancestors, -Node): only what holds.
+
+prove(Goal, M, Above, Node) :-
+    step(Goal, M, Kind),
+    prove(Kind, Goal, M, Above, Node).
+
+prove(negation(Inner), _, M, _, node(negation, \+ Inner, Margin, none, Near)) :-
+    \+ call(M:Inner),
+    (   nearest_miss(M:Inner, Miss)
+    ->  margin(Miss, Short),
+        negated(Short, Margin),
+        Near = [Miss]
+    ;   Margin = inf,
+        Near = []
+    ).
+prove(comparison, Goal, _, _, node(comparison, Goal, Margin, none, [])) :-
+    compares(Goal, Plain, Margin),
+    call(Plain).
+prove(fact(Def), Goal, _, _, Node) :-
+    recall(Goal, Def, Node).
+prove(rule(Def), Goal, _, Above, node(rule, Goal, Margin, Clause, Children)) :-
+    \+ ( member(Seen, Above), Seen =@= Goal ),
+    clause(Def:Goal, Body, Clause),
+    prove_all(Body, Def, [Goal|Above], Children),
+    weakest(Children, Margin).
+
+prove_all(true, _, _, []) :- !.
+prove_all((A, B), M, Above, Nodes) :-
+    !,
+    prove_all(A, M, Above, First),
+    prove_all(B, M, Above, Rest),
+    append(First, Rest, Nodes).
+prove_all(Goal, M, Above, [Node]) :-
+    prove(Goal, M, Above, Node).
+
+%   approach(+Goal, +Module, +Ancestors, -Node): every derivation, whether its comparisons hold or not.
+
+approach(Goal, M, Above, Node) :-
+    step(Goal, M, Kind),
+    approach(Kind, Goal, M, Above, Node).
+
+approach(negation(Inner), _, M, _, node(negation, \+ Inner, Margin, none, Near)) :-
+    (   nearest_miss(M:Inner, Miss)
+    ->  margin(Miss, Short),
+        negated(Short, Margin),
+        Near = [Miss]
+    ;   Margin = inf,
+        Near = []
+    ).
+approach(comparison, Goal, _, _, node(comparison, Goal, Margin, none, [])) :-
+    compares(Goal, Plain, Margin),
+    (   Margin == inf
+    ->  call(Plain)
+    ;   true
+    ).
+approach(fact(Def), Goal, _, _, Node) :-
+    recall(Goal, Def, Node).
+approach(rule(Def), Goal, _, Above, node(rule, Goal, Margin, Clause, Children)) :-
+    \+ ( member(Seen, Above), Seen =@= Goal ),
+    clause(Def:Goal, Body, Clause),
+    approach_all(Body, Def, [Goal|Above], Children),
+    weakest(Children, Margin).
+
+approach_all(true, _, _, []) :- !.
+approach_all((A, B), M, Above, Nodes) :-
+    !,
+    approach_all(A, M, Above, First),
+    approach_all(B, M, Above, Rest),
+    append(First, Rest, Nodes).
+approach_all(Goal, M, Above, [Node]) :-
+    approach(Goal, M, Above, Node).
+
+%   step(+Goal, +Module, -Kind): what kind of thing a goal is, and where it is defined.
+
+step(\+ Inner, _, negation(Inner)) :- !.
+step(Goal, _, comparison) :-
+    comparison(Goal),
+    !.
+step(Goal, M, Kind) :-
+    (   predicate_property(M:Goal, imported_from(Def))
+    ->  true
+    ;   Def = M
+    ),
+    (   predicate_property(Def:Goal, dynamic),
+        Def == facts
+    ->  Kind = fact(Def)
+    ;   Kind = rule(Def)
+    ).
+
+comparison(_ < _).
+comparison(_ =< _).
+comparison(_ > _).
+comparison(_ >= _).
+comparison(_ =:= _).
+comparison(_ =\= _).
+comparison(_ \== _).
+
+%   recall(+Goal, +Module, -Node): a base fact. Numbers that are not lengths come back marked, so that no
+%   comparison of theirs is taken for a margin in metres.
+
+recall(Goal, Def, node(fact, Plain, inf, none, [])) :-
+    copy_unmarked(Goal, Plain),
+    call(Def:Plain),
+    marked(Plain, Marked),
+    Goal = Marked.
+
+copy_unmarked(Goal, Plain) :-
+    Goal =.. [Name|Args],
+    maplist(unmarked, Args, PlainArgs),
+    Plain =.. [Name|PlainArgs].
+
+unmarked(Arg, _) :- var(Arg), !.
+unmarked(no_length(N), N) :- !.
+unmarked(Arg, Arg).
+
+marked(label(O, N, S), label(O, N, no_length(S))) :- !.
+marked(threshold(halfspace_scale, S), threshold(halfspace_scale, no_length(S))) :- !.
+marked(pair(A, B, D, S, P, V, F, U, W), pair(A, B, D, S, P, no_length(V), no_length(F), U, W)) :- !.
+marked(Goal, Goal).
+
+%   compares(+Comparison, -Plain, -Margin): Plain can be called; Margin is the length to spare, negative
+%   when the comparison fails, `inf` when no length is compared.
+
+compares(A \== B, A \== B, inf) :- !.
+compares(Goal, Plain, Margin) :-
+    Goal =.. [Op, A, B],
+    value(A, X, Length),
+    value(B, Y, Length),
+    Plain =.. [Op, X, Y],
+    (   Length == none
+    ->  Margin = inf
+    ;   spare(Op, X, Y, Margin)
+    ).
+
+spare(=<, X, Y, M) :- M is Y - X.
+spare(<, X, Y, M) :- M is Y - X.
+spare(>=, X, Y, M) :- M is X - Y.
+spare(>, X, Y, M) :- M is X - Y.
+spare(=:=, X, Y, M) :- M is -abs(X - Y).
+spare(=\=, X, Y, M) :- M is abs(X - Y).
+
+value(X, X, _) :- number(X), !.
+value(no_length(X), X, none) :- !.
+value(-A, X, L) :- !, value(A, Y, L), X is -Y.
+value(A + B, X, L) :- !, value(A, Y, L), value(B, Z, L), X is Y + Z.
+value(A - B, X, L) :- !, value(A, Y, L), value(B, Z, L), X is Y - Z.
+value(A * B, X, L) :- !, value(A, Y, L), value(B, Z, L), X is Y * Z.
+
+%   Margins: numbers, `inf`, `-inf` by way of negated/2.
+
+margin(node(_, _, Margin, _, _), Margin).
+
+negated(inf, minus_inf) :- !.
+negated(minus_inf, inf) :- !.
+negated(M, N) :- N is -M.
+
+less(minus_inf, B) :- !, B \== minus_inf.
+less(_, minus_inf) :- !, fail.
+less(inf, _) :- !, fail.
+less(_, inf) :- !.
+less(A, B) :- A < B.
+
+larger(A, B, C) :- ( less(A, B) -> C = B ; C = A ).
+
+weakest(Nodes, Margin) :-
+    foldl(weaker, Nodes, inf, Margin).
+
+weaker(Node, B, C) :-
+    margin(Node, A),
+    (   less(A, B)
+    ->  C = A
+    ;   C = B
+    ).
+
+size(node(_, _, _, _, Children), Size) :-
+    foldl([Child, S0, S]>>( size(Child, S1), S is S0 + S1 ), Children, 1, Size).
+
+%!  why(:Goal) is det.
+%
+%   Print why Goal holds, down to the measured numbers; or that it does not, and by how much.
+
+why(Goal) :-
+    (   best_proof(Goal, Node)
+    ->  print_proof(Node)
+    ;   refusal(Goal, Node),
+        print_proof(Node)
+    ).

@@ -1,0 +1,116 @@
+:- module(en,
+          [ sentence/2,                 % ?Goal, ?Template
+            no_other/3,                 % ?Goal, ?Exception, ?Template
+            space/3,                    % ?Axis, ?View, ?Words
+            connective/2                % ?Name, ?Words
+          ]).
+
+/** <module> English
+
+One template for each predicate. In a template the(X) names an object, view(V) says whose view it is,
+metres(N) a length, is and v(Yes, No) are the verb, which negation turns round; anything else stands for
+itself. Another language is another file with the same predicates.
+*/
+
+%!  sentence(?Goal, ?Template) is nondet.
+%
+%   Template says Goal in English.
+
+sentence(spatial_obj(O), [the(O), is, 'an object of this scene']).
+sentence(surface(O), [the(O), is, 'a surface']).
+sentence(figure_reference(F, R), [the(R), v(serves, 'does not serve'), 'as reference for', the(F),
+                                  v('(a surface, or not the smaller)', '(it is the smaller)')]).
+sentence(viewpoint(V), ['there', is, 'a view', view(V)]).
+sentence(distance(A, B, N), [the(A), 'and', the(B), v(are, 'are not'), metres(N), 'apart']).
+sentence(separation(A, B, N), ['the gap between', the(A), 'and', the(B), is, metres(N)]) :-
+    ( var(N) ; N >= 0 ), !.
+sentence(separation(A, B, N), [the(A), 'and', the(B), v(overlap, 'do not overlap'), 'by', metres(Depth)]) :-
+    Depth is -N.
+sentence(is_close(A, B), [the(A), is, 'close to', the(B)]).
+sentence(touches(A, B), [the(A), v(touches, 'does not touch'), the(B)]).
+sentence(intersects(A, B), [the(A), 'and', the(B), v('share room', 'share no room')]).
+sentence(intersection(A, B, N), [the(A), 'and', the(B), v(share, 'do not share'), cubic_metres(N)]).
+sentence(protrusion(A, B, N), [the(A), v('sticks out of', 'does not stick out of'), the(B), 'by', metres(N)]) :-
+    ( var(N) ; N >= 0 ), !.
+sentence(protrusion(A, B, N), [the(A), v(lies, 'does not lie'), metres(Depth), 'within', the(B)]) :-
+    Depth is -N.
+sentence(compl_cont(A, B), [the(A), v('wholly contains', 'does not wholly contain'), the(B)]).
+sentence(halfspace(A, B, Axis, V, N), [the(A), 'reaches into the space', Space, the(B), 'with', metres(N), 'to spare']) :-
+    ( var(N) ; N >= 0 ), !, space(Axis, V, Space).
+sentence(halfspace(A, B, Axis, V, N), [the(A), 'misses the space', Space, the(B), 'by', metres(By)]) :-
+    By is -N, space(Axis, V, Space).
+sentence(strict(A, B, Axis, V, N), [the(A), is, metres(N), 'within the space', Space, the(B)]) :-
+    space(Axis, V, Space).
+sentence(int_hs(A, B, Axis, V), [the(A), v('reaches into', 'does not reach into'), 'the space', Space, the(B)]) :-
+    space(Axis, V, Space).
+sentence(cont_hs(A, B, Axis, V), [the(A), v('lies wholly in', 'does not lie wholly in'), 'the space', Space, the(B)]) :-
+    space(Axis, V, Space).
+sentence(east_s(A, B), [the(A), is, 'wholly east of', the(B)]).
+sentence(west_s(A, B), [the(A), is, 'wholly west of', the(B)]).
+sentence(north_s(A, B), [the(A), is, 'wholly north of', the(B)]).
+sentence(south_s(A, B), [the(A), is, 'wholly south of', the(B)]).
+sentence(above_s(A, B), [the(A), is, 'wholly over', the(B)]).
+sentence(below_s(A, B), [the(A), is, 'wholly under', the(B)]).
+sentence(east_r(A, B), [the(A), is, 'east of', the(B)]).
+sentence(west_r(A, B), [the(A), is, 'west of', the(B)]).
+sentence(north_r(A, B), [the(A), is, 'north of', the(B)]).
+sentence(south_r(A, B), [the(A), is, 'south of', the(B)]).
+sentence(above_r(A, B), [the(A), is, 'over', the(B)]).
+sentence(below_r(A, B), [the(A), is, 'under', the(B)]).
+sentence(above(A, B), [the(A), is, 'above', the(B)]).
+sentence(below(A, B), [the(A), is, 'below', the(B)]).
+sentence(right_of(A, B, V), [the(A), is, 'right of', the(B), view(V)]).
+sentence(left_of(A, B, V), [the(A), is, 'left of', the(B), view(V)]).
+sentence(in_front_of(A, B, V), [the(A), is, 'in front of', the(B), view(V)]).
+sentence(behind(A, B, V), [the(A), is, 'behind', the(B), view(V)]).
+sentence(beside(A, B, V), [the(A), is, 'beside', the(B), view(V)]).
+sentence(on_top_of(A, B), [the(A), is, 'on top of', the(B)]).
+sentence(leans_on(A, B), [the(A), v('leans on', 'does not lean on'), the(B)]).
+sentence(affixed_on(A, B), [the(A), is, 'affixed on', the(B)]).
+sentence(adj_sr_card(A, B, N), [the(A), v(has, 'does not have'), cubic_metres(N), 'next to what it shares with', the(B)]).
+sentence(part_in(A, B), [the(A), is, 'partly in', the(B)]).
+sentence(inside(A, B), [the(A), is, 'inside', the(B)]).
+sentence(near(A, B), [the(A), is, 'near', the(B)]).
+sentence(label(O, Name, _), [the(O), is, 'recognised as', Name]).
+
+%!  no_other(?Goal, ?Exception, ?Template) is nondet.
+%
+%   Template says that Goal holds of nothing other than Exception.
+
+no_other(touches(_, F), R, ['nothing other than', the(R), 'touches', the(F)]).
+
+%!  space(?Axis, ?View, ?Words) is nondet.
+%
+%   Words for the halfspace along Axis: in the world's frame, and in a view's.
+
+space('Z+', _, 'above').
+space('Z-', _, 'below').
+space('X+', world, 'east of') :- !.
+space('X-', world, 'west of') :- !.
+space('Y+', world, 'north of') :- !.
+space('Y-', world, 'south of') :- !.
+space('X+', _, 'behind').
+space('X-', _, 'in front of').
+space('Y+', _, 'left of').
+space('Y-', _, 'right of').
+
+%!  connective(?Name, ?Words) is nondet.
+%
+%   The small words that join sentences.
+
+connective(because, 'because').
+connective(and, 'and').
+connective(at_most, 'at most').
+connective(at_least, 'at least').
+connective(less, 'less than').
+connective(more, 'more than').
+connective(equal, 'equal to').
+connective(unequal, 'other than').
+connective(to_spare, 'to spare').
+connective(short_by, 'short by').
+connective(seen_from, 'as seen from the').
+connective(seen_by_you, 'from where you stand').
+connective(the, 'the').
+connective(no_way, 'it is not so that').
+connective(closest, 'the closest is').
+connective(none_close, 'nothing within reach comes close').

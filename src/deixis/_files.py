@@ -1,0 +1,52 @@
+"""Where ``rules/`` and ``kb/`` are: inside the installed package, or at the top of the checkout."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+from deixis.errors import RuleError
+
+_PACKAGE: Final = Path(__file__).resolve().parent
+
+
+def rules_dir() -> Path:
+    """Return the directory of the rule files.
+
+    Raises
+    ------
+    RuleError
+        It is at neither of the two places; the message names both.
+
+    Examples
+    --------
+    >>> rules_dir().name
+    'rules'
+    """
+    return _find("rules", _PACKAGE)
+
+
+def kb_dir() -> Path:
+    """Return the directory of the ontology, the sample scenes and the decision records.
+
+    Raises
+    ------
+    RuleError
+        It is at neither of the two places; the message names both.
+
+    Examples
+    --------
+    >>> kb_dir().name
+    'kb'
+    """
+    return _find("kb", _PACKAGE)
+
+
+def _find(name: str, package: Path) -> Path:
+    # An editable install leaves a frozen copy in site-packages. It is never seen here: `package` is
+    # where this file lies, and that is src/ of the checkout, which holds no copy.
+    packaged, checkout = package / name, package.parent.parent / name
+    for place in (packaged, checkout):
+        if place.is_dir():
+            return place
+    raise RuleError(f"no {name}/ at {packaged} or {checkout}: reinstall deixis, or use a whole checkout")

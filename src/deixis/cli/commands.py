@@ -1,0 +1,231 @@
+"""The commands of ``deixis``."""
+
+from __future__ import annotations
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from deixis import __version__
+from deixis.cli.output import Format, printable, records, write_csv, write_json, write_table
+
+app = typer.Typer(
+    name="deixis",
+    help="Commonsense spatial relations of a 3D scene, and why they hold.\n\n"
+    "Exit codes: 0 yes, 1 no, 2 error, 3 time-out.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+ScenePath = Annotated[Path, typer.Argument(help="A scene file (see `deixis import` for other formats).")]
+Seconds = Annotated[float, typer.Option("--timeout", min=0.001, help="Seconds before giving up.")]
+
+RELATION_COLUMNS = ("relation", "figure", "reference", "view", "margin")
+
+
+class TextOrJson(StrEnum):
+    """Output formats of answers and explanations."""
+
+    TEXT = "text"
+    JSON = "json"
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"deixis {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+def _warn(messages: Any) -> None:
+    for message in messages:
+        print(f"deixis: {printable(message)}", file=sys.stderr)
+
+
+@app.command()
+def relations(
+    scene: ScenePath,
+    view: Annotated[str | None, typer.Option(help="Only this view's horizontal relations.")] = None,
+    relation: Annotated[list[str] | None, typer.Option(help="Only this relation; may be repeated.")] = None,
+    output: Annotated[Format, typer.Option("--format", help="How to print them.")] = Format.TABLE,
+    timeout: Seconds = 60.0,
+) -> None:
+    """Print the relations that hold in a scene, each with its margin in metres."""
+    from deixis.knowledge import KnowledgeBase
+
+    with KnowledgeBase.from_scene(scene) as kb:
+        found = kb.relations(view=view, relation=relation, timeout=timeout)
+        _warn(kb.scene.diagnostics)
+        if output is Format.JSON:
+            write_json(
+                {
+                    "scene": kb.scene.id,
+                    "relations": [one.to_dict() for one in found],
+                    "withheld": [one.to_dict() for one in kb.withheld if view in (None, one.view)],
+                }
+            )
+        elif output is Format.PL:
+            for one in found:
+                sys.stdout.write(one.to_prolog() + ".\n")
+        else:
+            rows = records(RELATION_COLUMNS, [one.to_dict() for one in found])
+            (write_csv if output is Format.CSV else write_table)(RELATION_COLUMNS, rows)
+        noise = kb.scene.thresholds.pose_noise
+        unsure = sum(one.margin is not None and one.margin < noise for one in found)
+        if output is Format.TABLE and unsure:
+            _warn([f"{unsure} of {len(found)} hold by less than the pose noise of {noise * 100:g} cm"])
+    if not found:
+        raise typer.Exit(1)
+
+
+@app.command()
+def facts(
+    scene: ScenePath,
+    output: Annotated[Format, typer.Option("--format", help="How to print them.")] = Format.TABLE,
+) -> None:
+    """Print what was measured: one row for each ordered pair within reach."""
+    from deixis.knowledge import KnowledgeBase
+
+    kb = KnowledgeBase.from_scene(scene)
+    _warn(kb.scene.diagnostics)
+    if output is Format.PL:
+        sys.stdout.write(kb.facts_text())
+        return
+    rows = kb.facts.rows()
+    if output is Format.JSON:
+        write_json(
+            {
+                "scene": kb.scene.id,
+                "thresholds": dict(kb.scene.thresholds.items()),
+                "facts": rows,
+                "withheld": [one.to_dict() for one in kb.withheld],
+            }
+        )
+    else:
+        columns = [name for name in kb.facts.columns() if output is Format.CSV or name != "normal"]
+        (write_csv if output is Format.CSV else write_table)(columns, records(columns, rows))
+
+
+@app.command()
+def ask(
+    scene: ScenePath,
+    goal: Annotated[str, typer.Argument(help="A Prolog goal, e.g. 'on_top_of(X, table)'.")],
+    output: Annotated[
+        TextOrJson, typer.Option("--format", help="How to print the answers.")
+    ] = TextOrJson.TEXT,
+    limit: Annotated[int | None, typer.Option(min=1, help="At most this many answers.")] = None,
+    timeout: Seconds = 10.0,
+) -> None:
+    """Answer a question; exit code 0 when there is an answer, 1 when there is none."""
+    from deixis.knowledge import KnowledgeBase
+    from deixis.prolog import term_json, term_text
+
+    with KnowledgeBase.from_scene(scene) as kb:
+        answers = kb.ask(goal, limit=limit, timeout=timeout)
+    if output is TextOrJson.JSON:
+        write_json(
+            {
+                "goal": goal,
+                "answers": [
+                    {name: term_json(value) for name, value in row.items()} for row in answers.bindings
+                ],
+                "truncated": answers.truncated,
+            }
+        )
+    else:
+        for row in answers.bindings:
+            print(", ".join(f"{name} = {term_text(value)}" for name, value in row.items()) or "true")
+        if not answers.bindings:
+            print("false")
+    if answers.truncated:
+        _warn([f"there are more answers than the {limit} printed"])
+    if not answers.bindings:
+        raise typer.Exit(1)
+
+
+@app.command()
+def why(
+    scene: ScenePath,
+    goal: Annotated[str, typer.Argument(help="A relation, e.g. 'leans_on(ladder, wall)'.")],
+    output: Annotated[TextOrJson, typer.Option("--format", help="How to print the proof.")] = TextOrJson.TEXT,
+    timeout: Seconds = 10.0,
+) -> None:
+    """Explain why a relation holds, down to the measured numbers; exit code 1 when it does not hold."""
+    from deixis.knowledge import KnowledgeBase
+
+    with KnowledgeBase.from_scene(scene) as kb:
+        answer = kb.why(goal, timeout=timeout)
+    if output is TextOrJson.JSON:
+        write_json({"goal": goal, **answer.to_dict()})
+    elif answer.proof is not None:
+        print(answer.proof.outline())
+    else:
+        print(f"No: {answer.text}.")
+    if answer.proof is None:
+        raise typer.Exit(1)
+
+
+@app.command()
+def shell(scene: ScenePath) -> None:
+    """Open SWI-Prolog with a scene and the rules loaded."""
+    from deixis.knowledge import KnowledgeBase, theory_files
+    from deixis.prolog.shell import exec_shell
+
+    kb = KnowledgeBase.from_scene(scene)
+    _warn(kb.scene.diagnostics)
+    exec_shell(theory_files(), kb.facts_text())
+
+
+@app.command(name="import")
+def import_(
+    name: Annotated[
+        str, typer.Argument(metavar="FORMAT", help="deixis, ithor, virtualhome, or an added one.")
+    ],
+    path: Annotated[str, typer.Argument(help="The file; for several scenes in one, FILE#SCENE.")],
+    target: Annotated[Path, typer.Option("-o", "--output", help="Where to write the scene.")],
+) -> None:
+    """Convert a scene of another format to a scene file."""
+    from deixis.readers import read_one
+
+    scene = read_one(name, path)
+    _warn(scene.diagnostics)
+    scene.save(target)
+    print(f"{target}: {len(scene.objects)} objects, {len(scene.views)} views", file=sys.stderr)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of scene files."""
+    from deixis.scene import scene_schema
+
+    write_json(scene_schema())
+
+
+@app.command()
+def doctor() -> None:
+    """Check that everything Deixis needs is here."""
+    from deixis.cli.doctor import report
+
+    if not report():
+        raise typer.Exit(2)
+
+
+@app.command()
+def demo() -> None:
+    """Show the paper's Figure 3: its relations, and why they hold."""
+    from deixis.cli.demo import run
+
+    run()

@@ -1,0 +1,159 @@
+"""Explanations: proof trees with margins, and how they are shown to people and programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+Kind = Literal["rule", "fact", "comparison", "negation", "conjunction"]
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """Where the rule of a proof step stands.
+
+    Attributes
+    ----------
+    file : str
+        Name of the rule file.
+    line : int
+        First line of the clause.
+    """
+
+    file: str
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """One step of a proof and the reasons it rests on.
+
+    Attributes
+    ----------
+    kind : {"rule", "fact", "comparison", "negation", "conjunction"}
+        A conclusion by a rule, a measured or given fact, a comparison of numbers, the absence of a proof,
+        or several things at once.
+    predicate : str
+        Name of the predicate, or the comparison's operator.
+    args : tuple
+        Its arguments: ids and numbers; None where a variable stands.
+    text : str
+        The step in one sentence.
+    margin : float or None
+        Metres by which a length would have to change for the step to change its answer.
+    axiom : int or None
+        Number in the paper.
+    rule : Rule or None
+    shown : bool
+        Whether a person needs this step; the outline leaves out the others.
+    children : tuple of Proof
+        The reasons; of a negation, what came closest to refuting it.
+    """
+
+    kind: Kind
+    predicate: str
+    args: tuple[str | float | None, ...]
+    text: str
+    margin: float | None
+    axiom: int | None
+    rule: Rule | None
+    shown: bool
+    children: tuple[Proof, ...]
+
+    @classmethod
+    def from_dict(cls, node: Mapping[str, Any]) -> Proof:
+        """Return the proof that the rules' meta-interpreter gave as a dict."""
+        rule = node["rule"]
+        return cls(
+            kind=node["kind"],
+            predicate=node["predicate"],
+            args=tuple(node["args"]),
+            text=node["text"],
+            margin=node["margin"],
+            axiom=node["axiom"],
+            rule=Rule(rule["file"], rule["line"]) if rule else None,
+            shown=node["shown"],
+            children=tuple(cls.from_dict(child) for child in node["children"]),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the proof as nested dicts, ready for JSON."""
+        return asdict(self)
+
+    def outline(self) -> str:
+        """Return the proof as indented lines, one sentence each, for people."""
+        return "\n".join(self._lines(0))
+
+    def sentence(self) -> str:
+        """Return the conclusion and its first reasons in one sentence.
+
+        Examples
+        --------
+        >>> leaf = Proof("fact", "gap", (), "the gap is 1 cm", 0.01, None, None, True, ())
+        >>> Proof("rule", "touches", (), "they touch", 0.01, 16, None, True, (leaf,)).sentence()
+        'They touch, because the gap is 1 cm.'
+        """
+        reasons = [child.text for child in self._shown_children()]
+        head = self.text[:1].upper() + self.text[1:]
+        if not reasons:
+            return head + "."
+        listed = ", ".join(reasons[:-1]) + " and " + reasons[-1] if len(reasons) > 1 else reasons[0]
+        return f"{head}, because {listed}."
+
+    def _shown_children(self) -> Iterator[Proof]:
+        """Yield the nearest shown reasons below this step."""
+        if self.kind == "negation":
+            return
+        for child in self.children:
+            if child.shown:
+                yield child
+            else:
+                yield from child._shown_children()
+
+    def _lines(self, depth: int) -> Iterator[str]:
+        axiom = f"  [axiom {self.axiom}]" if self.kind == "rule" and self.axiom is not None else ""
+        yield "  " * depth + self.text + axiom
+        for child in self._shown_children():
+            yield from child._lines(depth + 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The answer to a question for reasons.
+
+    Attributes
+    ----------
+    proof : Proof or None
+        Why it holds; None where it does not.
+    nearest : Proof or None
+        Where it does not hold, the derivation that comes closest; None where nothing within reach does.
+    text : str
+        The answer in one sentence.
+    """
+
+    proof: Proof | None
+    nearest: Proof | None
+    text: str
+
+    @classmethod
+    def from_dict(cls, reply: Mapping[str, Any]) -> Answer:
+        """Return the answer that the rules' meta-interpreter gave as a dict."""
+        proof, nearest = reply["proof"], reply["nearest"]
+        return cls(
+            None if proof is None else Proof.from_dict(proof),
+            None if nearest is None else Proof.from_dict(nearest),
+            reply["text"],
+        )
+
+    def __bool__(self) -> bool:
+        return self.proof is not None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the answer as nested dicts, ready for JSON."""
+        return {
+            "holds": self.proof is not None,
+            "text": self.text,
+            "proof": None if self.proof is None else self.proof.to_dict(),
+            "nearest": None if self.nearest is None else self.nearest.to_dict(),
+        }

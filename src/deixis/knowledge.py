@@ -1,0 +1,259 @@
+"""The facade: a scene, its facts and the rules over them, with one method for each kind of question."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+from deixis._files import rules_dir
+from deixis.errors import QueryError
+from deixis.facts import Facts
+from deixis.grounding import ground
+from deixis.scene import Scene
+from deixis.vocabulary import BASE, RELATIONS, Term
+
+if TYPE_CHECKING:
+    from deixis.explain import Answer
+    from deixis.prolog import Answers, PrologEngine
+
+_ORDER = {term.name: position for position, term in enumerate((*BASE, *RELATIONS))}
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """A relation that holds in a scene.
+
+    Attributes
+    ----------
+    relation : str
+        Name of the predicate, as in :mod:`deixis.vocabulary`.
+    figure, reference : str
+        Ids of the two things.
+    view : str or None
+        Id of the view, where it matters.
+    margin : float or None
+        Metres by which a measured length would have to change for the relation to cease.
+    """
+
+    relation: str
+    figure: str
+    reference: str
+    view: str | None
+    margin: float | None
+
+    def to_prolog(self) -> str:
+        """Return the relation as a Prolog fact without its full stop; ids are quoted."""
+        from deixis.prolog.quote import atom
+
+        ids = [self.figure, self.reference] + ([] if self.view is None else [self.view])
+        return f"{self.relation}({','.join(map(atom, ids))})"
+
+    def to_dict(self) -> dict[str, str | float | None]:
+        """Return the relation as a dict, ready for JSON."""
+        return {
+            "relation": self.relation,
+            "figure": self.figure,
+            "reference": self.reference,
+            "view": self.view,
+            "margin": self.margin,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Withheld:
+    """A view that says nothing of what is beside, behind or in front of a reference, and why."""
+
+    view: str
+    reference: str
+    reason: str
+
+    def to_dict(self) -> dict[str, str]:
+        """Return the notice as a dict, ready for JSON."""
+        return {"view": self.view, "reference": self.reference, "reason": self.reason}
+
+
+class KnowledgeBase:
+    """A scene with everything that follows from it.
+
+    The geometry is grounded on first use; SWI-Prolog is started, in a process of its own, with the first
+    question that needs it, and stopped by :meth:`close` or at the end of a ``with`` block.
+
+    Parameters
+    ----------
+    scene : Scene
+    rules : sequence of path
+        Rule files of the user's own, loaded after the theory's.
+
+    Examples
+    --------
+    >>> from deixis._files import kb_dir
+    >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+    ...     [found.reference for found in kb.relations(relation=["on_top_of"]) if found.figure == "sweater"]
+    ['heater']
+    """
+
+    def __init__(self, scene: Scene, *, rules: Sequence[str | os.PathLike[str]] = ()) -> None:
+        self.scene = scene
+        self._rules = tuple(Path(path) for path in rules)
+        self._engine: PrologEngine | None = None
+
+    @classmethod
+    def from_scene(
+        cls, scene: Scene | str | os.PathLike[str], *, rules: Sequence[str | os.PathLike[str]] = ()
+    ) -> KnowledgeBase:
+        """Return the knowledge base of a scene, or of the scene file at a path.
+
+        Raises
+        ------
+        SceneError
+            The file is not a well-formed scene.
+        """
+        return cls(scene if isinstance(scene, Scene) else Scene.load(scene), rules=rules)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Stop the logic engine, if it was started."""
+        if self._engine is not None:
+            self._engine.close()
+            self._engine = None
+
+    @cached_property
+    def facts(self) -> Facts:
+        """Return the grounded scene."""
+        return ground(self.scene)
+
+    @property
+    def withheld(self) -> tuple[Withheld, ...]:
+        """Return which references have no front and sides in which views, with the reasons."""
+        return tuple(
+            Withheld(view.view, self.facts.ids[index], reason)
+            for view in self.facts.views
+            for index, reason in view.withheld
+        )
+
+    def facts_text(self, *, readable: bool = True) -> str:
+        """Return the base facts as a Prolog list, as the contract of ``rules/facts.pl`` has them."""
+        from deixis.prolog import facts_text
+
+        views = [(view.id, view.label) for view in self.scene.views]
+        return facts_text(self.facts, views, readable=readable)
+
+    @property
+    def engine(self) -> PrologEngine:
+        """Return the logic engine with rules and facts loaded, started if need be."""
+        if self._engine is None:
+            from deixis.prolog import PrologEngine
+
+            engine = PrologEngine([*theory_files(), *self._rules])
+            try:
+                engine.load(self.facts_text(readable=False))
+            except BaseException:
+                engine.close()
+                raise
+            self._engine = engine
+        return self._engine
+
+    def relations(
+        self, *, view: str | None = None, relation: Iterable[str] | None = None, timeout: float = 60.0
+    ) -> tuple[Relation, ...]:
+        """Return the relations that hold, in the order of the vocabulary, then by ids.
+
+        Parameters
+        ----------
+        view : str, optional
+            Only this view's horizontal relations; those that depend on no view are always included.
+        relation : iterable of str, optional
+            Only these relations; by default all that people speak in. Base relations (``touches``,
+            ``east_r`` ...) are given when named.
+        timeout : float
+            Seconds.
+
+        Raises
+        ------
+        QueryError
+            Unknown view or relation.
+        QueryTimeout
+            It took longer than ``timeout``.
+        """
+        wanted = RELATIONS if relation is None else tuple(_term(name) for name in dict.fromkeys(relation))
+        if view is not None:
+            self.check_view(view)
+        rows: Any = self.engine.call(
+            "margins", *[[term.name, term.arity] for term in wanted], timeout=timeout
+        )
+        views = {term.name for term in wanted if term.view}
+        found = [
+            Relation(row[0], row[1], row[2], row[3] if row[0] in views else None, row[-1])
+            for row in rows
+            if view is None or row[0] not in views or row[3] == view
+        ]
+        found.sort(key=lambda one: (_ORDER[one.relation], one.figure, one.reference, one.view or ""))
+        return tuple(found)
+
+    def ask(self, goal: str, *, limit: int | None = None, timeout: float = 10.0) -> Answers:
+        """Return the answers to a Prolog goal such as ``on_top_of(X, table)``.
+
+        Raises
+        ------
+        QueryError
+            The goal is not well formed, not allowed, or names an unknown predicate.
+        QueryTimeout
+            It took longer than ``timeout`` seconds.
+        """
+        return self.engine.ask(goal, limit=limit, timeout=timeout)
+
+    def why(self, goal: str, *, timeout: float = 10.0) -> Answer:
+        """Return the shortest proof of a goal such as ``leans_on(ladder, wall)``, or how far it is from one.
+
+        Raises
+        ------
+        QueryError
+            The goal is not one relation of known things.
+        QueryTimeout
+            It took longer than ``timeout`` seconds.
+        """
+        from deixis.explain import Answer
+
+        reply: Any = self.engine.call("why", goal, timeout=timeout)
+        return Answer.from_dict(reply)
+
+    def check_view(self, view: str) -> None:
+        """Raise :class:`QueryError` unless the scene has this view."""
+        known = [one.id for one in self.scene.views]
+        if view not in known:
+            raise QueryError(f"no view {view!r} in scene {self.scene.id!r}{_hint(view, known)}")
+
+
+def theory_files() -> tuple[Path, ...]:
+    """Return the rule files of the theory, in loading order."""
+    rules = rules_dir()
+    names = ("facts", "topology", "direction", "commonsense", "axioms", "verbalise", "explain")
+    return tuple(rules / f"{name}.pl" for name in names)
+
+
+def _term(name: str) -> Term:
+    known = {term.name: term for term in (*BASE, *RELATIONS)}
+    if name not in known:
+        raise QueryError(f"no relation {name!r}{_hint(name, list(known))}")
+    return known[name]
+
+
+def _hint(name: str, known: Sequence[str]) -> str:
+    """Say what may have been meant."""
+    if not known:
+        return ": there are none"
+    close = difflib.get_close_matches(name, known, n=1)
+    return f": did you mean {close[0]!r}?" if close else f": known are {', '.join(known)}"

@@ -1,0 +1,176 @@
+/** <module> The Prolog side of the bridge: one request as text in, one reply as JSON text out
+
+A request is the text of one term, written by quote.py and text.py. A reply is one JSON object,
+`{"ok": ...}` or `{"error": Kind, "message": ..., ...}`; terms in it are typed as terms.py describes.
+
+  | rules(Files)                 | load rule files; the version of Prolog            |
+  | load(Facts)                  | replace all facts; how many there are             |
+  | ask(Text, Limit, Inferences) | rows of bindings, whether cut short, its output   |
+  | relations([Name/Arity, ...]) | all answers of these predicates, sorted, distinct |
+  | call(Operation, Arguments)   | what the operation of a rule file returns         |
+
+A rule file adds an operation with a clause of the multifile predicate `bridge:operation/3`:
+
+  ==
+  :- multifile bridge:operation/3.
+  bridge:operation(why, [Text], JSON) :-
+      bridge:question(Text, Goal, _Names),
+      ...
+  ==
+
+See json_text.pl for what JSON may be.
+*/
+
+:- module(bridge, [request/2]).
+:- use_module(library(apply), [maplist/2]).
+:- use_module(library(error), [must_be/2]).
+:- use_module(library(lists), [member/2]).
+:- use_module(json_text).
+:- use_module(questions).
+
+:- set_prolog_flag(encoding, utf8).    % of rule files, whatever the locale is
+
+:- multifile operation/3, user:message_hook/3.
+:- dynamic operation/3, complaint/1, loading/0, base/2.
+
+%!  request(+Text:string, -Reply:string) is det.
+%
+%   Do one request. Whatever goes wrong within is told in the reply.
+
+request(Text, Reply) :-
+    (   catch(reply(Text, Reply0), Error, error_reply(Error, Reply0))
+    ->  Reply = Reply0
+    ;   error_reply(bridge(engine, "the request failed", []), Reply)
+    ).
+
+reply(Text, Reply) :-
+    read_one(Text, bridge, Request, _),
+    perform(Request, Result),
+    json_text(json([ok = Result]), Reply).
+
+perform(rules(Files), Version) :-
+    setup_call_cleanup(
+        assertz(loading),
+        maplist(load_rules, Files),
+        retractall(loading)),
+    findall(Complaint, retract(complaint(Complaint)), Complaints),
+    (   Complaints == []
+    ->  remember_vocabulary,
+        remember_base,
+        current_prolog_flag(version, Version)
+    ;   throw(bridge(rules, "the rule files do not load without complaint", [complaints = Complaints]))
+    ).
+perform(load(Facts), Count) :-
+    must_be(list, Facts),
+    forall(member(Fact, Facts), base_fact(Fact)),
+    forall(base(Name, Arity),
+           ( functor(Head, Name, Arity),
+             retractall(facts:Head)
+           )),
+    forall(member(Fact, Facts), assertz(facts:Fact)),
+    abolish_all_tables,
+    length(Facts, Count).
+perform(ask(Text, Limit, Inferences), Answers) :-
+    ask(Text, Limit, Inferences, Answers).
+perform(relations(Indicators), Tables) :-
+    relations(Indicators, Tables).
+perform(call(Operation, Arguments), Result) :-
+    (   clause(operation(Operation, _, _), _)
+    ->  true
+    ;   format(string(Message), "no rule file defines the operation ~q", [Operation]),
+        throw(bridge(engine, Message, []))
+    ),
+    (   with_output_to(string(_), operation(Operation, Arguments, Result0))
+    ->  Result = Result0
+    ;   Result = null
+    ).
+
+
+                 /*******************************
+                 *       RULES AND FACTS        *
+                 *******************************/
+
+%   Module files are imported into `question`, others define their predicates there: so a rule file
+%   needs no header to see the whole vocabulary, and a question sees what the files offer.
+
+load_rules(File) :-
+    catch(load_files(question:File, [if(not_loaded), must_be_module(false)]),
+          Error,
+          print_message(error, Error)).
+
+%   Nothing is printed: while rules load, each warning and error is a complaint; later nobody reads them.
+
+user:message_hook(Message, Kind, Lines) :-
+    memberchk(Kind, [error, warning]),
+    (   bridge:loading
+    ->  bridge:complain(Message, Lines)
+    ;   true
+    ).
+
+complain(Message, Lines) :-
+    lines_text(Lines, Text0),
+    (   Message = error(_, Context),
+        nonvar(Context),
+        Context = file(_, _, _, _)              % its lines begin with the place
+    ->  Text = Text0
+    ;   source_location(File, Line)
+    ->  format(string(Text), "~w:~d: ~s", [File, Line, Text0])
+    ;   Text = Text0
+    ),
+    assertz(complaint(Text)).
+
+%   Base facts are what module `facts` declares dynamic, and nothing else can be loaded.
+
+remember_base :-
+    forall(( predicate_property(facts:Head, dynamic),
+             \+ predicate_property(facts:Head, imported_from(_))
+           ),
+           ( functor(Head, Name, Arity),
+             assertz(base(Name, Arity))
+           )).
+
+base_fact(Fact) :-
+    ground(Fact),
+    callable(Fact),
+    functor(Fact, Name, Arity),
+    base(Name, Arity),
+    !.
+base_fact(Fact) :-
+    format(string(Message), "no base fact has the form ~p", [Fact]),
+    throw(bridge(facts, Message, [])).
+
+
+                 /*******************************
+                 *            ERRORS            *
+                 *******************************/
+
+error_reply(Error, Reply) :-
+    described(Error, Kind, Message, Details),
+    !,
+    json_text(json([error = Kind, message = Message|Details]), Reply).
+
+described(bridge(Kind, Message, Details), Kind, Message, Details).
+described(error(syntax_error(What), Context), syntax, Message, [position = Position]) :-
+    message_text(error(syntax_error(What), _), Message),
+    (   nonvar(Context),
+        Context = stream(_, _, _, Position)
+    ->  true
+    ;   Position = null
+    ).
+described(error(resource_error(_), _), memory, "more memory is needed than the engine may use", []).
+described(error(existence_error(procedure, Called), _), rules, "a rule calls what no rule file defines",
+          [complaints = [Complaint]]) :-
+    format(string(Complaint), "~q is not defined", [Called]).
+described(error(permission_error(Action, Type, Culprit), _), permission, Message, []) :-
+    format(string(Message), "the question leads to ~q, which is not allowed (~w ~w)",
+           [Culprit, Action, Type]).
+described(Error, question, Message, []) :-
+    message_text(Error, Message).
+
+message_text(Term, Text) :-
+    '$messages':translate_message(Term, Lines, []),
+    lines_text(Lines, Text).
+
+lines_text(Lines, Text) :-
+    with_output_to(string(Whole), print_message_lines(current_output, '', Lines)),
+    split_string(Whole, "", " \n", [Text]).

@@ -1,0 +1,270 @@
+"""PrologEngine: the rules and one scene's facts in a SWI-Prolog of its own, which a question cannot harm."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Self
+
+from deixis.errors import DeixisError, EngineError, PrologNotFoundError, QueryError, QueryTimeout, RuleError
+from deixis.prolog.child import Child
+from deixis.prolog.find import OLDEST, find_prolog, find_pyswip
+from deixis.prolog.quote import atom, string, term
+from deixis.prolog.terms import Term, decode
+
+MEMORY: Final = 2 << 30
+"""What the child may use by default, bytes: half for Prolog's stacks, a quarter for tables."""
+
+LONGEST_QUESTION: Final = 1 << 16
+"""Characters."""
+
+_START_WITHIN: Final = 60.0
+_LOAD_WITHIN: Final = 300.0
+_CLOSE_NAMES: Final = 3
+
+
+@dataclass(frozen=True)
+class Answers:
+    """The answers to a question.
+
+    Attributes
+    ----------
+    bindings : tuple of mapping
+        One for each distinct answer, in the order of the proofs: the value of each variable of the
+        question, by the name it has there, without those whose name begins with ``_``. A question
+        without variables has one empty answer where it holds.
+    truncated : bool
+        Whether there are more answers than the limit let through.
+    output : str
+        What the question printed.
+    """
+
+    bindings: tuple[Mapping[str, Term], ...]
+    truncated: bool = False
+    output: str = ""
+
+    def __bool__(self) -> bool:
+        """Return whether the question holds."""
+        return bool(self.bindings)
+
+
+class PrologEngine:
+    """Rule files and base facts in a child process with limits on time and memory.
+
+    The child is started at once, and again by the next call whenever it was lost: then the rules and the
+    facts are loaded anew. It may be used from many threads, one request at a time.
+
+    Parameters
+    ----------
+    rule_files : sequence of path
+        In the order of loading. Files with a module header are imported; others see all that was
+        imported before.
+    memory_bytes : int
+        Address space of the child.
+
+    Raises
+    ------
+    PrologNotFoundError
+        There is no usable SWI-Prolog.
+    RuleError
+        A rule file does not exist.
+
+    Examples
+    --------
+    >>> with PrologEngine([]) as engine:
+    ...     engine.ask("member(X, [cup, mug])", limit=1)
+    Answers(bindings=({'X': Atom('cup')},), truncated=True, output='')
+    """
+
+    def __init__(self, rule_files: Sequence[Path], *, memory_bytes: int = MEMORY) -> None:
+        self._rules = tuple(Path(file).resolve() for file in rule_files)
+        for file in self._rules:
+            if not file.is_file():
+                raise RuleError(f"there is no rule file {file}")
+        self._memory = memory_bytes
+        self._facts: str | None = None
+        self._lock = threading.Lock()
+        self._closed = False
+        self._fresh = False
+        self._child: Child | None = self._start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def load(self, text: str) -> int:
+        """Replace all facts by those of a Prolog list, and return how many there are.
+
+        Parameters
+        ----------
+        text : str
+            What :func:`deixis.prolog.text.facts_text` returns.
+
+        Raises
+        ------
+        EngineError
+            The text is no list of base facts, or the child was lost. The facts are then what they were.
+        """
+        with self._lock:
+            count = self._request(f"load({text})", _LOAD_WITHIN)
+            self._facts = text
+        return int(count)
+
+    def ask(
+        self,
+        goal: str,
+        *,
+        limit: int | None = None,
+        timeout: float | None = 10.0,
+        inferences: int | None = None,
+    ) -> Answers:
+        """Return the answers to a question in Prolog.
+
+        Parameters
+        ----------
+        goal : str
+            A goal, with or without the full stop. It may call what the rule files define or export, and
+            what only computes.
+        limit : int or None
+            At most so many answers.
+        timeout : float or None
+            Seconds, after which the child is killed.
+        inferences : int or None
+            Steps of the proof, a limit that does not depend on the machine.
+
+        Raises
+        ------
+        QueryError
+            The question is no Prolog, calls what is not known or not allowed, or needs too much memory.
+        QueryTimeout
+            It took longer than ``timeout`` or ``inferences``.
+        RuleError
+            The rule files do not load, or a rule calls what none of them defines.
+        EngineError
+            The child was lost.
+        """
+        if not goal.strip().rstrip("."):
+            raise QueryError("the question is empty")
+        if len(goal) > LONGEST_QUESTION:
+            raise QueryError(f"the question is longer than {LONGEST_QUESTION} characters")
+        if limit is not None and limit < 1:
+            raise QueryError(f"the limit is {limit}: ask for one answer at least")
+        bounds = (str(int(bound)) if bound is not None else "none" for bound in (limit, inferences))
+        asked = string(f"{goal}\n.\n")
+        with self._lock:
+            reply = self._request(f"ask({asked},{','.join(bounds)})", timeout, goal)
+        names = reply["names"]
+        return Answers(
+            tuple(dict(zip(names, map(decode, row), strict=True)) for row in reply["rows"]),
+            reply["truncated"],
+            reply["output"],
+        )
+
+    def relations(
+        self, predicates: Sequence[tuple[str, int]], *, timeout: float | None = 60.0
+    ) -> dict[str, list[tuple[Term, ...]]]:
+        """Return all answers of some predicates at once, each sorted and without repetition.
+
+        Parameters
+        ----------
+        predicates : sequence of (str, int)
+            Name and number of arguments; no name twice.
+        timeout : float or None
+            Seconds.
+
+        Returns
+        -------
+        dict
+            Name to rows, in the order asked for.
+
+        Raises
+        ------
+        QueryError
+            A predicate is not defined, or a name is asked for twice.
+        QueryTimeout
+            It took too long.
+        RuleError
+            The rule files do not load, or a rule leaves a variable unbound.
+        EngineError
+            The child was lost.
+        """
+        names = [name for name, _ in predicates]
+        if len(set(names)) < len(names):
+            raise QueryError("a relation is asked for twice: ask for each name once")
+        wanted = ",".join(f"{atom(name)}/{int(arity)}" for name, arity in predicates)
+        with self._lock:
+            reply = self._request(f"relations([{wanted}])", timeout)
+        cells = [decode(cell) for cell in reply["cells"]]
+        found: dict[str, list[tuple[Term, ...]]] = {}
+        for (name, arity), row in zip(predicates, reply["rows"], strict=True):
+            values = iter([cells[at] for at in row])
+            found[name] = list(zip(*[values] * arity, strict=True)) if arity else [()] * bool(row)
+        return found
+
+    def call(self, operation: str, *args: Term, timeout: float | None = 10.0) -> Any:
+        """Return what an operation of the rule files says, as decoded JSON; None where it has no answer.
+
+        Parameters
+        ----------
+        operation : str
+            First argument of a clause of ``bridge:operation/3``.
+        *args : Term
+            A ``str`` becomes a Prolog string, an :class:`~deixis.prolog.terms.Atom` an atom.
+        timeout : float or None
+            Seconds.
+
+        Raises
+        ------
+        QueryError, QueryTimeout, RuleError, EngineError
+            As :meth:`ask`; EngineError also where no rule file defines the operation.
+        """
+        with self._lock:
+            return self._request(f"call({atom(operation)},{term(list(args))})", timeout)
+
+    def close(self) -> None:
+        """End the child, also in the midst of a question; calling again does nothing."""
+        self._closed = True
+        child = self._child
+        if child is not None:
+            child.kill()
+
+    def _start(self) -> Child:
+        """Start a child and hand it the rules, without waiting for it."""
+        prolog = find_prolog()
+        child = Child(prolog.library, prolog.home, find_pyswip(), self._memory)
+        child.send(f"rules([{','.join(atom(str(file)) for file in self._rules)}])")
+        self._fresh = True
+        return child
+
+    def _request(self, request: str, timeout: float | None, goal: str = "") -> Any:
+        """Return the reply to one request, of a child that has the rules and the facts."""
+        if self._closed:
+            raise EngineError("the engine is closed: open the knowledge base again")
+        child = self._child
+        if child is None or not child.usable:
+            child = self._child = self._start()
+        if self._closed:
+            child.kill()
+        if self._fresh:
+            version = _result(child.receive(_START_WITHIN), "")
+            if version < OLDEST[0] * 10000 + OLDEST[1] * 100 + OLDEST[2]:
+                child.kill()
+                raise PrologNotFoundError(
+                    f"SWI-Prolog at {find_prolog().home} is version {version}, too old\nCheck: deixis doctor"
+                )
+            self._fresh = False
+            if self._facts is not None:
+                _result(child.exchange(f"load({self._facts})", _LOAD_WITHIN), "")
+        return _result(child.exchange(request, timeout), goal)
+
+
+def _result(reply: bytes, goal: str) -> Any:
+    ...
