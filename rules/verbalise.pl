@@ -43,6 +43,12 @@ goal_text((A, B), Polarity, Text) :-
 goal_text(A \== B, Polarity, Text) :-
     !,
     goal_text_items([the(A), is, 'other than', the(B)], Polarity, Text).
+goal_text(Marked, no, Text) :-
+    term_variables(Marked, [_|_]),
+    !,
+    goal_text(Marked, yes, Core),
+    connective(no_way, Not),
+    join([Not, Core], Text).
 goal_text(Marked, Polarity, Text) :-
     plain(Marked, Goal),
     (   sentence(Goal, Template)
@@ -222,7 +228,8 @@ node_dict(Node, Place, Dict) :-
     Node = node(Kind, Goal, Margin, Clause, Children),
     (   shown(Node, Place) -> Shown = true ; Shown = false ),
     node_text(Node, Text),
-    goal_parts(Goal, Name, Args),
+    goal_parts(Goal, Functor, Args),
+    atom_string(Functor, Name),
     (   number(Margin) -> Metres = Margin ; Metres = null ),
     goal_axiom(Goal, Axiom),
     clause_source(Clause, Rule),
@@ -239,7 +246,7 @@ goal_parts(Goal, Name, Args) :-
 
 part(X, null) :- var(X), !.
 part(X, X) :- number(X), !.
-part(X, X) :- atom(X), !.
+part(X, Y) :- atom(X), !, atom_string(X, Y).   % a string: an object may be called null
 part(X, Y) :- ground(X), catch(Y is X, _, fail), !.
 part(X, Y) :- term_string(X, Y).
 

@@ -121,7 +121,7 @@ def cases() -> Iterator[Case]:
             ("leans_on", "jar", "cabinet"),
         ),
     )
-    for bottom in (-0.01, 0.005, 0.02):
+    for bottom in (-0.005, 0.005, 0.02):
         yield Case(
             f"knife at the bottom of a drawer, {bottom} above it",
             (

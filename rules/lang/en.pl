@@ -5,6 +5,8 @@
             connective/2                % ?Name, ?Words
           ]).
 
+:- use_module('../facts').
+
 /** <module> English
 
 One template for each predicate. In a template the(X) names an object, view(V) says whose view it is,
@@ -18,8 +20,9 @@ itself. Another language is another file with the same predicates.
 
 sentence(spatial_obj(O), [the(O), is, 'an object of this scene']).
 sentence(surface(O), [the(O), is, 'a surface']).
-sentence(figure_reference(F, R), [the(R), v(serves, 'does not serve'), 'as reference for', the(F),
-                                  v('(a surface, or not the smaller)', '(it is the smaller)')]).
+sentence(figure_reference(_, R), [the(R), is, 'the reference, being a surface']) :-
+    nonvar(R), surface(R), !.
+sentence(figure_reference(F, R), [the(R), is, 'the reference, being not smaller than', the(F)]).
 sentence(viewpoint(V), ['there', is, 'a view', view(V)]).
 sentence(distance(A, B, N), [the(A), 'and', the(B), v(are, 'are not'), metres(N), 'apart']).
 sentence(separation(A, B, N), ['the gap between', the(A), 'and', the(B), is, metres(N)]) :-

@@ -161,20 +161,17 @@ def align_with_world(boxes: Boxes) -> Boxes:
 
 
 def convex_hull_2d(points: Array) -> Array:
-    """Return the hull's vertices in counter-clockwise order, as indices; of a line or a point its ends."""
-    from scipy.spatial import ConvexHull, QhullError
+    """Return the hull's vertices in counter-clockwise order, (h, 2); of points on a line its two ends."""
+    import shapely
 
-    try:
-        return np.asarray(ConvexHull(points).vertices)
-    except (QhullError, ValueError):
-        # Fewer than three points, or all on one line or spot: the two farthest points along the line.
-        spread = points - points.mean(axis=0)
-        direction = (
-            np.linalg.svd(spread, full_matrices=False)[2][0] if len(points) > 1 else np.array([1.0, 0.0])
-        )
-        along = spread @ direction
-        ends = np.unique([int(along.argmin()), int(along.argmax())])
-        return np.asarray(ends)
+    hull = shapely.convex_hull(shapely.multipoints(points))
+    ring = shapely.get_coordinates(hull)
+    if hull.geom_type != "Polygon":
+        return np.asarray(ring, dtype=np.float64)
+    ring = ring[:-1]
+    following = np.roll(ring, -1, axis=0)
+    clockwise = float((ring[:, 0] * following[:, 1] - ring[:, 1] * following[:, 0]).sum()) < 0.0
+    return np.asarray(ring[::-1] if clockwise else ring, dtype=np.float64)
 
 
 def min_bound_box(points: Array) -> tuple[Array, Array, float, bool]:
@@ -214,8 +211,7 @@ def min_bound_box(points: Array) -> tuple[Array, Array, float, bool]:
     low, high = points.min(axis=0), points.max(axis=0)
     origin = 0.5 * (low + high)
     plan = points[:, :2] - origin[:2]
-    hull = convex_hull_2d(plan)
-    ring = plan[hull]
+    ring = convex_hull_2d(plan)
     edges = np.roll(ring, -1, axis=0) - ring
     length = np.hypot(edges[:, 0], edges[:, 1])
     size = float(np.hypot(*(high - low)[:2]))
@@ -235,7 +231,7 @@ def min_bound_box(points: Array) -> tuple[Array, Array, float, bool]:
     ambiguous = bool((np.abs(spread) > 1.0e-6).any())
     # Among ties the edge nearest in turn to the first point given: an order that moves with the object.
     middle = (ring + 0.5 * edges)[usable][tied]
-    first = ring[int(hull.argmin())]
+    first = plan[min(int((plan == corner).all(axis=1).argmax()) for corner in ring)] if ambiguous else ring[0]
     turn = (np.arctan2(middle[:, 1], middle[:, 0]) - np.arctan2(first[1], first[0])) % (2.0 * np.pi)
     best = int(tied[turn.argmin()]) if ambiguous else int(tied[0])
     yaw = float(angle[best])

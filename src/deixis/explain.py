@@ -94,7 +94,7 @@ class Proof:
         >>> Proof("rule", "touches", (), "they touch", 0.01, 16, None, True, (leaf,)).sentence()
         'They touch, because the gap is 1 cm.'
         """
-        reasons = [child.text for child in self._shown_children()]
+        reasons = [child.text for child in self._shown_children() if child.predicate != "figure_reference"]
         head = self.text[:1].upper() + self.text[1:]
         if not reasons:
             return head + "."

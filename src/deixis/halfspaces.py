@@ -93,7 +93,9 @@ def meets_horizontal(
         slack = np.minimum(width - 0.5 * granularity + reach_across - np.abs(center_across), slack_z)
         within = np.minimum(width + granularity - reach_across - np.abs(center_across), within_z)
         for column, (near, far, middle) in enumerate(((low, high, center), (-high, -low, -center))):
-            beyond = np.maximum(near - (face - granularity), far - (face + granularity))
+            # Flush on a wall no thicker than D, a sheet is on the side its middle is on, not on both.
+            flush = np.minimum(near - (face - granularity), middle)
+            beyond = np.maximum(flush, far - (face + granularity))
             meets = np.minimum(np.minimum(slack, beyond), face + depth - near)
             starts = middle - reach - (face - granularity)
             ends = face + depth + granularity - (middle + reach)

@@ -146,7 +146,7 @@ class KnowledgeBase:
 
     def facts_text(self, *, readable: bool = True) -> str:
         """Return the base facts as a Prolog list, as the contract of ``rules/facts.pl`` has them."""
-        from deixis.prolog import facts_text
+        from deixis.prolog.text import facts_text
 
         views = [(view.id, view.label) for view in self.scene.views]
         return facts_text(self.facts, views, readable=readable)
@@ -191,8 +191,10 @@ class KnowledgeBase:
         wanted = RELATIONS if relation is None else tuple(_term(name) for name in dict.fromkeys(relation))
         if view is not None:
             self.check_view(view)
+        from deixis.prolog import Atom
+
         rows: Any = self.engine.call(
-            "margins", *[[term.name, term.arity] for term in wanted], timeout=timeout
+            "margins", *[[Atom(term.name), term.arity] for term in wanted], timeout=timeout
         )
         views = {term.name for term in wanted if term.view}
         found = [
@@ -226,8 +228,13 @@ class KnowledgeBase:
             It took longer than ``timeout`` seconds.
         """
         from deixis.explain import Answer
+        from deixis.prolog.engine import question_text
 
-        reply: Any = self.engine.call("why", goal, timeout=timeout)
+        reply: Any = self.engine.call("why", question_text(goal), timeout=timeout)
+        if "unknown" in reply:
+            known = [*self.facts.ids, *(view.id for view in self.scene.views)]
+            name = reply["unknown"]
+            raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{_hint(name, known)}")
         return Answer.from_dict(reply)
 
     def check_view(self, view: str) -> None:

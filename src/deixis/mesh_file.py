@@ -62,7 +62,7 @@ def locate(name: str, folder: Path | None) -> Path:
         root = folder.resolve()
         path = (root / posix).resolve()
     except (OSError, RuntimeError) as cause:
-        raise SceneError(f"the file {quoted(name)} cannot be found: {cause}") from cause
+        raise SceneError(f"the file {quoted(name)} cannot be found: check its links") from cause
     if not path.is_relative_to(root):
         raise SceneError(f"the file {quoted(name)} links out of the scene's folder: put it there")
     return path
@@ -88,12 +88,12 @@ def read_geometry(path: Path) -> tuple[Array, NDArray[np.int64]]:
     SceneError
         The file is missing, too long, empty, damaged, or says something else than it holds.
     """
-    data = read_bytes(path, SceneError, MAX_FILE_BYTES)
+    data = read_bytes(path, SceneError, MAX_FILE_BYTES, path.name)
     name = quoted(path.name)
     kind = path.suffix.lower()
     try:
         declared = _CHECKS[kind](data)
-    except (ValueError, LookupError, TypeError, AttributeError, struct.error) as cause:
+    except (SceneError, ValueError, LookupError, TypeError, AttributeError, struct.error) as cause:
         raise SceneError(f"the file {name} is no sound {kind} file: {cause}") from cause
     if declared > MAX_VERTICES:
         raise SceneError(f"the file {name} holds {declared:,} vertices, above {MAX_VERTICES:,}: thin it out")

@@ -26,18 +26,33 @@ def quoted(value: object, limit: int = 60) -> str:
     return text if len(text) <= limit else f"{text[: limit - 3]}..."
 
 
-def read_bytes(path: Path, error: type[DeixisError], limit: int = MAX_FILE_BYTES) -> bytes:
-    """Return the contents of a regular file, or raise the given error where it is missing or too long."""
+def read_bytes(
+    path: Path, error: type[DeixisError], limit: int = MAX_FILE_BYTES, name: str | None = None
+) -> bytes:
+    """Return the contents of a regular file, or raise the given error where it is missing or too long.
+
+    Parameters
+    ----------
+    path : Path
+    error : type
+        The leaf of :class:`DeixisError` to raise.
+    limit : int
+        Bytes.
+    name : str, optional
+        What the message calls the file instead of its whole path.
+    """
+    shown = quoted(str(path) if name is None else name, 200)
     try:
         if not path.is_file():
             reason = "is not a file" if path.exists() else "does not exist"
-            raise error(f"{quoted(str(path), 200)} {reason}: give the path of a file")
+            raise error(f"{shown} {reason}: give the path of a file")
         size = path.stat().st_size
         if size > limit:
-            raise error(f"{quoted(str(path), 200)} is {size:,} bytes long: the limit is {limit:,}")
+            raise error(f"{shown} is {size:,} bytes long: the limit is {limit:,}")
         return path.read_bytes()
     except (OSError, ValueError) as cause:
-        raise error(f"{quoted(str(path), 200)} cannot be read: {cause}") from cause
+        reason = getattr(cause, "strerror", None) or str(cause)
+        raise error(f"{shown} cannot be read: {reason}") from cause
 
 
 def parse(text: bytes, error: type[DeixisError], what: str) -> Any:

@@ -131,7 +131,7 @@ def ask(
 ) -> None:
     """Answer a question; exit code 0 when there is an answer, 1 when there is none."""
     from deixis.knowledge import KnowledgeBase
-    from deixis.prolog import term_json, term_text
+    from deixis.prolog.show import term_json, term_text
 
     with KnowledgeBase.from_scene(scene) as kb:
         answers = kb.ask(goal, limit=limit, timeout=timeout)

@@ -35,7 +35,8 @@ def _prolog() -> str:
     from deixis.prolog.find import find_prolog
 
     found = find_prolog()
-    return f"SWI-Prolog {found.version_text} at {found.swipl}"
+    version = ".".join(map(str, found.version)) if found.version else "of unknown version"
+    return f"SWI-Prolog {version}, {found.library}"
 
 
 def _files() -> str:

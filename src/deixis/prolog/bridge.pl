@@ -3,7 +3,7 @@
 A request is the text of one term, written by quote.py and text.py. A reply is one JSON object,
 `{"ok": ...}` or `{"error": Kind, "message": ..., ...}`; terms in it are typed as terms.py describes.
 
-  | rules(Files)                 | load rule files; the version of Prolog            |
+  | rules(Files)                 | true: the rule files are loaded                   |
   | load(Facts)                  | replace all facts; how many there are             |
   | ask(Text, Limit, Inferences) | rows of bindings, whether cut short, its output   |
   | relations([Name/Arity, ...]) | all answers of these predicates, sorted, distinct |
@@ -22,16 +22,46 @@ See json_text.pl for what JSON may be.
 */
 
 :- module(bridge, [request/2]).
+
+:- multifile operation/3, user:message_hook/3.
+:- dynamic operation/3, complaint/1, loading/0, base/2.
+
+%   Nothing is printed: until the rules are loaded, each warning and error is a complaint that fails them;
+%   later nobody reads it.
+
+loading.
+
+user:message_hook(Message, Kind, Lines) :-
+    memberchk(Kind, [error, warning]),
+    (   bridge:loading
+    ->  bridge:complain(Message, Lines)
+    ;   true
+    ).
+
+complain(Message, Lines) :-
+    lines_text(Lines, Text0),
+    (   Message = error(_, Context),
+        nonvar(Context),
+        Context = file(_, _, _, _)              % its lines begin with the place
+    ->  Text = Text0
+    ;   source_location(File, Line)
+    ->  format(string(Text), "~w:~d: ~s", [File, Line, Text0])
+    ;   Text = Text0
+    ),
+    assertz(complaint(Text)).
+
+lines_text(Lines, Text) :-
+    with_output_to(string(Whole), print_message_lines(current_output, '', Lines)),
+    split_string(Whole, "", " \n", [Text]).
+
 :- use_module(library(apply), [maplist/2]).
 :- use_module(library(error), [must_be/2]).
 :- use_module(library(lists), [member/2]).
 :- use_module(json_text).
 :- use_module(questions).
+:- use_module(operations).
 
 :- set_prolog_flag(encoding, utf8).    % of rule files, whatever the locale is
-
-:- multifile operation/3, user:message_hook/3.
-:- dynamic operation/3, complaint/1, loading/0, base/2.
 
 %!  request(+Text:string, -Reply:string) is det.
 %
@@ -48,16 +78,13 @@ reply(Text, Reply) :-
     perform(Request, Result),
     json_text(json([ok = Result]), Reply).
 
-perform(rules(Files), Version) :-
-    setup_call_cleanup(
-        assertz(loading),
-        maplist(load_rules, Files),
-        retractall(loading)),
+perform(rules(Files), true) :-
+    maplist(load_rules, Files),
+    retractall(loading),
     findall(Complaint, retract(complaint(Complaint)), Complaints),
     (   Complaints == []
     ->  remember_vocabulary,
-        remember_base,
-        current_prolog_flag(version, Version)
+        remember_base
     ;   throw(bridge(rules, "the rule files do not load without complaint", [complaints = Complaints]))
     ).
 perform(load(Facts), Count) :-
@@ -98,27 +125,6 @@ load_rules(File) :-
           Error,
           print_message(error, Error)).
 
-%   Nothing is printed: while rules load, each warning and error is a complaint; later nobody reads them.
-
-user:message_hook(Message, Kind, Lines) :-
-    memberchk(Kind, [error, warning]),
-    (   bridge:loading
-    ->  bridge:complain(Message, Lines)
-    ;   true
-    ).
-
-complain(Message, Lines) :-
-    lines_text(Lines, Text0),
-    (   Message = error(_, Context),
-        nonvar(Context),
-        Context = file(_, _, _, _)              % its lines begin with the place
-    ->  Text = Text0
-    ;   source_location(File, Line)
-    ->  format(string(Text), "~w:~d: ~s", [File, Line, Text0])
-    ;   Text = Text0
-    ),
-    assertz(complaint(Text)).
-
 %   Base facts are what module `facts` declares dynamic, and nothing else can be loaded.
 
 remember_base :-
@@ -149,7 +155,11 @@ error_reply(Error, Reply) :-
     !,
     json_text(json([error = Kind, message = Message|Details]), Reply).
 
-described(bridge(Kind, Message, Details), Kind, Message, Details).
+described(bridge(Kind, Message, Details0), Kind, Message, Details) :-
+    (   is_dict(Details0)
+    ->  dict_pairs(Details0, _, Details)
+    ;   Details = Details0
+    ).
 described(error(syntax_error(What), Context), syntax, Message, [position = Position]) :-
     message_text(error(syntax_error(What), _), Message),
     (   nonvar(Context),
@@ -164,13 +174,9 @@ described(error(existence_error(procedure, Called), _), rules, "a rule calls wha
 described(error(permission_error(Action, Type, Culprit), _), permission, Message, []) :-
     format(string(Message), "the question leads to ~q, which is not allowed (~w ~w)",
            [Culprit, Action, Type]).
-described(Error, question, Message, []) :-
+described(Error, query, Message, []) :-
     message_text(Error, Message).
 
 message_text(Term, Text) :-
     '$messages':translate_message(Term, Lines, []),
     lines_text(Lines, Text).
-
-lines_text(Lines, Text) :-
-    with_output_to(string(Whole), print_message_lines(current_output, '', Lines)),
-    split_string(Whole, "", " \n", [Text]).

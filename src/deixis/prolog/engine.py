@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import json
 import threading
+import time
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self
 
-from deixis.errors import DeixisError, EngineError, PrologNotFoundError, QueryError, QueryTimeout, RuleError
+from deixis.errors import EngineError, QueryError, QueryTimeout, RuleError
 from deixis.prolog.child import Child
-from deixis.prolog.find import OLDEST, find_prolog, find_pyswip
+from deixis.prolog.find import find_prolog, find_pyswip
 from deixis.prolog.quote import atom, string, term
+from deixis.prolog.replies import result
 from deixis.prolog.terms import Term, decode
 
 MEMORY: Final = 2 << 30
@@ -24,7 +26,6 @@ LONGEST_QUESTION: Final = 1 << 16
 
 _START_WITHIN: Final = 60.0
 _LOAD_WITHIN: Final = 300.0
-_CLOSE_NAMES: Final = 3
 
 
 @dataclass(frozen=True)
@@ -89,8 +90,9 @@ class PrologEngine:
         self._facts: str | None = None
         self._lock = threading.Lock()
         self._closed = False
-        self._fresh = False
-        self._child: Child | None = self._start()
+        self._starting = False
+        self._child: Child | None = None
+        self._start()
 
     def __enter__(self) -> Self:
         return self
@@ -112,11 +114,18 @@ class PrologEngine:
         ------
         EngineError
             The text is no list of base facts, or the child was lost. The facts are then what they were.
+        RuleError
+            The rule files do not load.
         """
         with self._lock:
-            count = self._request(f"load({text})", _LOAD_WITHIN)
+            child = self._ready()
+            with ExitStack() as on_trouble:
+                # What a failed load leaves is unknown: the next child begins with the facts of before.
+                on_trouble.callback(self._drop)
+                count = int(self._load(child, text))
+                on_trouble.pop_all()
             self._facts = text
-        return int(count)
+        return count
 
     def ask(
         self,
@@ -151,16 +160,11 @@ class PrologEngine:
         EngineError
             The child was lost.
         """
-        if not goal.strip().rstrip("."):
-            raise QueryError("the question is empty")
-        if len(goal) > LONGEST_QUESTION:
-            raise QueryError(f"the question is longer than {LONGEST_QUESTION} characters")
+        asked = string(question_text(goal))
         if limit is not None and limit < 1:
             raise QueryError(f"the limit is {limit}: ask for one answer at least")
         bounds = (str(int(bound)) if bound is not None else "none" for bound in (limit, inferences))
-        asked = string(f"{goal}\n.\n")
-        with self._lock:
-            reply = self._request(f"ask({asked},{','.join(bounds)})", timeout, goal)
+        reply = self._request(f"ask({asked},{','.join(bounds)})", timeout, goal)
         names = reply["names"]
         return Answers(
             tuple(dict(zip(names, map(decode, row), strict=True)) for row in reply["rows"]),
@@ -188,7 +192,7 @@ class PrologEngine:
         Raises
         ------
         QueryError
-            A predicate is not defined, or a name is asked for twice.
+            A predicate is not defined, has no argument, or a name is asked for twice.
         QueryTimeout
             It took too long.
         RuleError
@@ -197,16 +201,15 @@ class PrologEngine:
             The child was lost.
         """
         names = [name for name, _ in predicates]
-        if len(set(names)) < len(names):
-            raise QueryError("a relation is asked for twice: ask for each name once")
+        if len(set(names)) < len(names) or any(arity < 1 for _, arity in predicates):
+            raise QueryError("each relation is to be asked for once, and has one argument at least")
         wanted = ",".join(f"{atom(name)}/{int(arity)}" for name, arity in predicates)
-        with self._lock:
-            reply = self._request(f"relations([{wanted}])", timeout)
+        reply = self._request(f"relations([{wanted}])", timeout)
         cells = [decode(cell) for cell in reply["cells"]]
         found: dict[str, list[tuple[Term, ...]]] = {}
         for (name, arity), row in zip(predicates, reply["rows"], strict=True):
             values = iter([cells[at] for at in row])
-            found[name] = list(zip(*[values] * arity, strict=True)) if arity else [()] * bool(row)
+            found[name] = list(zip(*[values] * arity, strict=True))
         return found
 
     def call(self, operation: str, *args: Term, timeout: float | None = 10.0) -> Any:
@@ -226,8 +229,7 @@ class PrologEngine:
         QueryError, QueryTimeout, RuleError, EngineError
             As :meth:`ask`; EngineError also where no rule file defines the operation.
         """
-        with self._lock:
-            return self._request(f"call({atom(operation)},{term(list(args))})", timeout)
+        return self._request(f"call({atom(operation)},{term(list(args))})", timeout)
 
     def close(self) -> None:
         """End the child, also in the midst of a question; calling again does nothing."""
@@ -235,36 +237,98 @@ class PrologEngine:
         child = self._child
         if child is not None:
             child.kill()
+        with self._lock:
+            self._drop()
+
+    def _request(self, request: str, timeout: float | None, question: str = "") -> Any:
+        """Return the result of one request; its time counts from when its turn comes."""
+        with self._lock:
+            child = self._ready()
+            try:
+                reply = self._exchange(child, request, timeout)
+            except TimeoutError:
+                raise QueryTimeout(
+                    f"no answer within {timeout:g} s: ask something narrower, or allow more time"
+                ) from None
+        return result(reply, question)
+
+    def _ready(self) -> Child:
+        """Return a child that has the rules and the facts."""
+        if self._closed:
+            raise EngineError("the engine is closed")
+        child = self._child
+        if child is None or not child.usable:
+            self._drop()
+            child = self._start()
+        if self._starting:
+            with ExitStack() as on_trouble:
+                on_trouble.callback(self._drop)
+                self._greet(child)
+                if self._facts is not None:
+                    self._load(child, self._facts)
+                on_trouble.pop_all()
+            self._starting = False
+        return child
 
     def _start(self) -> Child:
         """Start a child and hand it the rules, without waiting for it."""
         prolog = find_prolog()
-        child = Child(prolog.library, prolog.home, find_pyswip(), self._memory)
-        child.send(f"rules([{','.join(atom(str(file)) for file in self._rules)}])")
-        self._fresh = True
+        self._child = child = Child(prolog.library, prolog.home, find_pyswip(), self._memory)
+        self._starting = True
+        child.send(f"rules([{','.join(atom(str(file)) for file in self._rules)}])", None)
         return child
 
-    def _request(self, request: str, timeout: float | None, goal: str = "") -> Any:
-        """Return the reply to one request, of a child that has the rules and the facts."""
-        if self._closed:
-            raise EngineError("the engine is closed: open the knowledge base again")
-        child = self._child
-        if child is None or not child.usable:
-            child = self._child = self._start()
-        if self._closed:
-            child.kill()
-        if self._fresh:
-            version = _result(child.receive(_START_WITHIN), "")
-            if version < OLDEST[0] * 10000 + OLDEST[1] * 100 + OLDEST[2]:
-                child.kill()
-                raise PrologNotFoundError(
-                    f"SWI-Prolog at {find_prolog().home} is version {version}, too old\nCheck: deixis doctor"
-                )
-            self._fresh = False
-            if self._facts is not None:
-                _result(child.exchange(f"load({self._facts})", _LOAD_WITHIN), "")
-        return _result(child.exchange(request, timeout), goal)
+    def _greet(self, child: Child) -> None:
+        """Wait until the rules are loaded."""
+        try:
+            result(child.receive(time.monotonic() + _START_WITHIN))
+        except TimeoutError:
+            raise EngineError(f"the rules did not load within {_START_WITHIN:g} s") from None
+
+    def _load(self, child: Child, text: str) -> Any:
+        try:
+            return result(self._exchange(child, f"load({text})", _LOAD_WITHIN))
+        except TimeoutError:
+            raise EngineError(f"the facts did not load within {_LOAD_WITHIN:g} s") from None
+        except QueryError as error:
+            raise EngineError(f"the facts cannot be loaded: {error}") from error
+
+    def _exchange(self, child: Child, request: str, timeout: float | None) -> bytes:
+        """Return the reply to one request; whatever prevents it, a signal too, costs the child."""
+        deadline = None if timeout is None else time.monotonic() + timeout
+        with ExitStack() as on_trouble:
+            on_trouble.callback(self._drop)
+            try:
+                child.send(request, deadline)
+                reply = child.receive(deadline)
+            except EngineError:
+                if self._closed:
+                    raise EngineError("the engine was closed before it could answer") from None
+                raise
+            on_trouble.pop_all()
+        return reply
+
+    def _drop(self) -> None:
+        if self._child is not None:
+            self._child.close()
+        self._child = None
 
 
-def _result(reply: bytes, goal: str) -> Any:
-    ...
+def question_text(goal: str) -> str:
+    """Return the text of a question, if it may be sent at all.
+
+    Raises
+    ------
+    QueryError
+        It is empty, or longer than :data:`LONGEST_QUESTION`.
+
+    Examples
+    --------
+    >>> question_text("on_top_of(X, table).")
+    'on_top_of(X, table).'
+    """
+    if not goal.strip(" \t\r\n."):
+        raise QueryError("the question is empty")
+    if len(goal) > LONGEST_QUESTION:
+        raise QueryError(f"the question is longer than {LONGEST_QUESTION} characters")
+    return goal

@@ -34,29 +34,28 @@ class Installation:
 
     Attributes
     ----------
+    executable : Path
+        The ``swipl`` program.
     library : Path
         The shared library, ``libswipl``.
     home : Path
         The directory of its own Prolog library.
-    executable : Path or None
-        The ``swipl`` program; None where only the two variables below were given.
-    version : tuple of int or None
-        Major, minor, patch; None where no program could be asked.
+    version : tuple of int
+        Major, minor, patch.
     """
 
+    executable: Path
     library: Path
     home: Path
-    executable: Path | None = None
-    version: tuple[int, int, int] | None = None
+    version: tuple[int, int, int]
 
 
 @cache
 def find_prolog() -> Installation:
     """Return the SWI-Prolog of this machine, looked for once in a process.
 
-    ``LIBSWIPL_PATH`` together with ``SWI_HOME_DIR`` decide where both are set. Otherwise the first
-    ``swipl`` that serves is taken from: ``SWI_HOME_DIR``, the ``PATH``, beside this Python, the macOS
-    application.
+    The first ``swipl`` that serves is taken from: below the directory ``SWI_HOME_DIR``, the ``PATH``,
+    beside this Python, the macOS application. ``LIBSWIPL_PATH`` names a shared library to use with it.
 
     Raises
     ------
@@ -69,18 +68,14 @@ def find_prolog() -> Installation:
     >>> find_prolog().library.name.startswith("libswipl")
     True
     """
-    return locate(os.environ.get("LIBSWIPL_PATH"), os.environ.get("SWI_HOME_DIR"))
+    return locate(os.environ.get("SWI_HOME_DIR"), os.environ.get("LIBSWIPL_PATH"))
 
 
-def locate(library: str | None, home: str | None) -> Installation:
+def locate(home: str | None, library: str | None) -> Installation:
     """Do what :func:`find_prolog` promises, for given values of the two variables and without memory."""
     tried: list[str] = []
-    if library and home:
-        if Path(library).is_file() and Path(home).is_dir():
-            return Installation(Path(library), Path(home))
-        tried.append(f"LIBSWIPL_PATH={library} with SWI_HOME_DIR={home}: no such file and directory")
     for program, origin in _programs(home):
-        found = _judge(program)
+        found = _judge(program, library)
         if isinstance(found, Installation):
             return found
         tried.append(f"{origin}: {found}")
@@ -129,7 +124,7 @@ def _programs(home: str | None) -> list[tuple[Path | None, str]]:
     return places
 
 
-def _judge(program: Path | None) -> Installation | str:
+def _judge(program: Path | None, library: str | None) -> Installation | str:
     """Return the installation a program belongs to, or why it cannot be used."""
     if program is None:
         return "not there"
@@ -150,10 +145,10 @@ def _judge(program: Path | None) -> Installation | str:
     version = (number // 10000, number // 100 % 100, number % 100)
     if version < OLDEST:
         return f"{program} is version {'.'.join(map(str, version))}: too old"
-    library = _library(told)
-    if library is None:
-        return f"{program} has no shared library (libswipl)"
-    return Installation(library, Path(told.get("PLBASE", "")), program, version)
+    shared = Path(library) if library else _library(told)
+    if shared is None or not shared.is_file():
+        return f"{program} has no shared library" + (f" at LIBSWIPL_PATH={library}" if library else "")
+    return Installation(program, shared, Path(told.get("PLBASE", "")), version)
 
 
 def _variables(text: str) -> dict[str, str]:

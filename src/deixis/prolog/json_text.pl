@@ -4,7 +4,7 @@ A reply is made of
 
   - dicts, and json([Key = Value, ...]), which keeps the order of its keys;
   - lists, strings, integers and finite floats;
-  - atoms: `true`, `false` and `null` are the constants, others text;
+  - atoms: `true`, `false` and `null` are the constants, others text, so an id goes as a string;
   - term(Term): any term, typed as terms.py describes.
 */
 
@@ -16,7 +16,7 @@ deepest(200).
 
 %!  json_text(+Reply, -Text:string) is det.
 %
-%   @throws bridge(question, Message, []) if a value has no JSON text or is nested too deeply.
+%   @throws bridge(query, Message, []) if a value has no JSON text or is nested too deeply.
 
 json_text(Reply, Text) :-
     deepest(Levels),
@@ -66,7 +66,7 @@ json(Value, Levels) :-
     fields(Pairs, Inner, '').
 json(Value, _) :-
     format(string(Message), "~p has no JSON text", [Value]),
-    throw(bridge(question, Message, [])).
+    throw(bridge(query, Message, [])).
 
 items([], _, _) :-
     put_char(']').
@@ -91,7 +91,7 @@ inner(Levels, Inner) :-
     ->  Inner is Levels - 1
     ;   deepest(Most),
         format(string(Message), "the answer is nested more than ~d deep", [Most]),
-        throw(bridge(question, Message, []))
+        throw(bridge(query, Message, []))
     ).
 
 

@@ -4,39 +4,56 @@ Operations of the bridge, each one request and one JSON reply.
 */
 
 :- module(operations, []).
-:- use_module(library(lists)).
+:- use_module(library(apply), [maplist/3]).
+:- use_module(library(lists), [append/3, member/2]).
 
-:- multifile bridge:op/3.
+:- multifile bridge:operation/3.
 
-%   why(Text): the best proof of the goal that Text is; where it does not hold, what comes nearest.
+%   why(Text): the best proof of the goal that Text is; where it does not hold, what comes nearest. Names of
+%   nothing in the scene are reported instead.
 
-bridge:op(why, [Text], _{ proof: Proof, nearest: Nearest, text: Sentence }) :-
-    bridge:question(Text, Goal, _),
+bridge:operation(why, [Text], Reply) :-
+    questions:question(Text, Goal, _),
     one_relation(Goal),
     (   explain:best_proof(question:Goal, Node)
     ->  verbalise:node_dict(Node, Proof),
         verbalise:node_text(Node, Sentence),
-        Nearest = null
-    ;   Proof = null,
-        explain:refusal(question:Goal, Node),
+        Reply = _{ proof: Proof, nearest: null, text: Sentence }
+    ;   stranger(Goal, Name)
+    ->  atom_string(Name, Stranger),
+        Reply = _{ unknown: Stranger }
+    ;   explain:refusal(question:Goal, Node),
         Node = node(_, _, _, _, Near),
         verbalise:node_text(Node, Sentence),
         (   Near = [Miss]
         ->  verbalise:node_dict(Miss, Nearest)
         ;   Nearest = null
-        )
+        ),
+        Reply = _{ proof: null, nearest: Nearest, text: Sentence }
     ).
 
 one_relation(Goal) :-
-    (   predicate_property(question:Goal, file(_))
+    functor(Goal, Name, Arity),
+    (   questions:vocabulary(Name, Arity)
     ->  true
-    ;   throw(bridge(query, "ask for the reasons of one relation, such as on_top_of(cup, table)", _{}))
+    ;   throw(bridge(query, "ask for the reasons of one relation, such as on_top_of(cup, table)", []))
     ).
+
+%   stranger(+Goal, -Name): an argument of a spoken or base relation that is no thing and no view here.
+
+stranger(Goal, Name) :-
+    functor(Goal, Functor, Arity),
+    once(( axioms:relation(Functor/Arity) ; axioms:base(Functor/Arity) )),
+    arg(_, Goal, Name),
+    atom(Name),
+    \+ facts:spatial_obj(Name),
+    \+ facts:viewpoint(Name),
+    !.
 
 %   margins([Name, Arity], ...): all answers of these predicates, each with its margin, as rows
 %   [Name, Argument ..., Margin]; the margin is null where no length is involved.
 
-bridge:op(margins, Predicates, Rows) :-
+bridge:operation(margins, Predicates, Rows) :-
     findall(Row,
             ( member([Name, Arity], Predicates), answer(Name, Arity, Row) ),
             Rows).
@@ -47,7 +64,12 @@ answer(Name, Arity, Row) :-
     Goal =.. [_|Args],
     explain:truth_margin(question:Goal, Margin),
     (   number(Margin) -> Metres = Margin ; Metres = null ),
-    append([Name|Args], [Metres], Row).
+    maplist(as_text, [Name|Args], Texts),
+    append(Texts, [Metres], Row).
+
+%   Ids go as strings: an object may be called null.
+
+as_text(Id, Text) :- atom_string(Id, Text).
 
 distinct_answer(Goal) :-
     findall(Goal, question:Goal, Bag),

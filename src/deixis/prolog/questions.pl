@@ -32,7 +32,7 @@ remember_vocabulary :-
 
 %!  read_one(+Text, +Module, -Term, -Names) is det.
 %
-%   The one term in Text, which ends in a full stop on a line of its own whether it needs it or not.
+%   The one term in Text, which has a full stop, maybe a second one, at its end.
 
 read_one(Text, Module, Term, Names) :-
     setup_call_cleanup(
@@ -43,20 +43,21 @@ read_one(Text, Module, Term, Names) :-
         close(In)),
     (   split_string(Rest, "", " \t\r\n.", [""])
     ->  true
-    ;   throw(bridge(question, "more than one question is asked: ask them one by one", []))
+    ;   throw(bridge(query, "more than one question is asked: ask them one by one", []))
     ).
 
 %!  question(+Text, -Goal, -Bindings) is det.
 %
-%   The goal that Text asks, made sure to be safe to call in module `question`, and the Name = Variable
-%   pairs of its variables.
+%   The goal that Text asks, with or without a full stop, made sure to be safe to call in module
+%   `question`, and the Name = Variable pairs of its variables.
 %
 %   @throws bridge(Kind, Message, Details) or a syntax error.
 
 question(Text, Goal, Bindings) :-
-    read_one(Text, question, Term, Bindings),
+    string_concat(Text, "\n.\n", Closed),
+    read_one(Closed, question, Term, Bindings),
     (   memberchk(Term, [end_of_file, '.'])
-    ->  throw(bridge(question, "the question is empty", []))
+    ->  throw(bridge(query, "the question is empty", []))
     ;   nonvar(Term),
         Term = (?- Goal0)
     ->  Goal = Goal0
@@ -76,12 +77,12 @@ question(Text, Goal, Bindings) :-
 permitted(Goal) :-
     var(Goal),
     !,
-    throw(bridge(question, "a variable is called: write its goal out", [])).
+    throw(bridge(query, "a variable is called: write its goal out", [])).
 permitted(Goal) :-
     \+ callable(Goal),
     !,
     format(string(Message), "~p is no goal", [Goal]),
-    throw(bridge(question, Message, [])).
+    throw(bridge(query, Message, [])).
 permitted(Goal) :-
     calls(Goal, Called),
     !,
@@ -277,9 +278,9 @@ solution(Goal, Names, Values, Row) :-
     certain(Goal),
     copy_term(Values, Row0, Constraints),
     (   Constraints \== []
-    ->  throw(bridge(question, "an answer is constrained, not known: bind its variables", []))
+    ->  throw(bridge(query, "an answer is constrained, not known: bind its variables", []))
     ;   cyclic_term(Row0)
-    ->  throw(bridge(question, "an answer is a cyclic term", []))
+    ->  throw(bridge(query, "an answer is a cyclic term", []))
     ;   name_variables(Names, Row0),
         term_variables(Row0, Others),
         number_variables(Others, 1),
@@ -292,7 +293,7 @@ certain(Goal) :-
     call_delays(question:Goal, Delays),
     (   Delays == true
     ->  true
-    ;   throw(bridge(question, "an answer depends on its own negation: it is neither true nor false", []))
+    ;   throw(bridge(query, "an answer depends on its own negation: it is neither true nor false", []))
     ).
 
 name_variables([], []).

@@ -1,7 +1,7 @@
-"""Python values as Prolog text that reads back as the same value, whatever its characters.
+r"""Python values as Prolog text that reads back as the same value, whatever its characters.
 
 The one rule for text: between quotes, every character that is not a letter, a digit or harmless ASCII
-punctuation is written as ``\\xHH\\``. There is no other way from an id to Prolog text in this package.
+punctuation is written as ``\xHH\``. There is no other way from an id to Prolog text in this package.
 """
 
 from __future__ import annotations

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from deixis.errors import GeometryError
-from deixis.facts import Facts, Index, ViewFacts
-from deixis.frames import WORLD, Array
+from deixis.facts import Facts, ViewFacts
+from deixis.frames import WORLD, Array, Index
 from deixis.prolog.quote import atom, number
 from deixis.thresholds import SNAP_DECIMALS
 

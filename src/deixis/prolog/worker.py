@@ -100,7 +100,6 @@ def serve(requests: int, replies: int) -> None:
     """Load the bridge, then answer requests until the other side is gone."""
     from pyswip import core
 
-    core.PL_get_nchars = core._lib.PL_get_nchars
     get_text = core._lib.PL_get_nchars
     get_text.argtypes = [
         core.term_t,

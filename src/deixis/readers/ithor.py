@@ -26,6 +26,9 @@ FRAME: Final = "right-handed z-up metres"
 DECIMALS: Final = 4
 """Of lengths in the files, and so of what is read from them."""
 
+CONTACT_OFFSET: Final = 0.01
+"""Metres: the gap at which Unity's physics lets two things rest on each other, so the granularity D here."""
+
 TIGHTER: Final = 0.98
 """An oriented box is kept where its base is smaller than this share of the axis-aligned one's."""
 
@@ -38,6 +41,7 @@ class Parents:
     label: str
     receptacles: tuple[str, ...]
     pickupable: bool
+    receptacle: bool
 
 
 def read(path: str | os.PathLike[str], *, scene: str | None = None) -> Iterator[Scene]:
@@ -45,7 +49,7 @@ def read(path: str | os.PathLike[str], *, scene: str | None = None) -> Iterator[
 
     Objects get short ids (``egg1``), see :func:`original_ids`. A floor becomes a surface at the top of
     its box, which in these rooms is where the agent stands. The robot faces the room's middle, because
-    the files do not say where it looks.
+    the files do not say where it looks. A simulator's boxes are exact: D is its physics' contact offset.
 
     Raises
     ------
@@ -82,6 +86,7 @@ def parents(path: str | os.PathLike[str], scene: str) -> tuple[Parents, ...]:
             words(record["label"]),
             tuple(short[name] for name in record.get("parents", []) if name in short),
             record.get("pickupable") is True,
+            record.get("receptacle") is True,
         )
         for record in room["objects"]
     )
@@ -144,7 +149,13 @@ def _scene(room: dict[str, Any]) -> Scene:
         views = [
             {"id": "robot", "label": "robot", "position": (position + 0.0).tolist(), "heading": heading + 0.0}
         ]
-    data = {"deixis": 1, "id": room["scene"], "objects": objects, "views": views}
+    data = {
+        "deixis": 1,
+        "id": room["scene"],
+        "objects": objects,
+        "views": views,
+        "thresholds": {"granularity": CONTACT_OFFSET},
+    }
     return Scene.from_dict(data, diagnostics=notes)
 
 
