@@ -71,7 +71,8 @@ relation(near/2).
 
 %!  base(?Predicate) is nondet.
 %
-%   Predicate is a relation of the theory that the spoken ones are made of; it stands for both orders.
+%   Predicate is a relation of the theory that the spoken ones are made of. It stands for both orders of a
+%   pair, but for the horizontal cardinal ones, which are measured in figure-reference order only.
 
 base(is_close/2).
 base(touches/2).

@@ -53,7 +53,7 @@ halfspace(Figure, Reference, 'Z-', world, Margin) :-
 
 %!  int_hs(?Figure, ?Reference, ?Axis, ?View) is nondet.
 %
-%   Figure meets the halfspace of Reference along Axis, seen from View: Int(hs, sReg).
+%   Axiom 30. Figure meets the halfspace of Reference along Axis, seen from View: Int(hs, sReg).
 
 int_hs(Figure, Reference, Axis, View) :-
     halfspace(Figure, Reference, Axis, View, Margin),
@@ -61,7 +61,8 @@ int_hs(Figure, Reference, Axis, View) :-
 
 %!  cont_hs(?Figure, ?Reference, ?Axis, ?View) is nondet.
 %
-%   Figure lies completely in the halfspace of Reference along Axis, seen from View: ComplCont(hs, sReg).
+%   Axiom 30. Figure lies completely in the halfspace of Reference along Axis, seen from View:
+%   ComplCont(hs, sReg).
 
 cont_hs(Figure, Reference, Axis, View) :-
     strict(Figure, Reference, Axis, View, Margin),

@@ -18,8 +18,8 @@ These are the base facts that a scene is grounded to. Geometry asserts them, rul
 else passes between the two. Every truth value of the theory is a comparison of one of these numbers with
 another, made by a rule; so an explanation ends in numbers.
 
-Lengths are metres, volumes cubic metres, in the world frame (right-handed, Z up). The order of arguments
-is figure, reference, view.
+Lengths are metres, volumes cubic metres, in the world frame (right-handed, Z up). Arguments come in the
+order figure, reference, view; only aspect/7, one row of a view's table, begins with its view.
 
 ```
 ?- pair(cup, table, Distance, Separation, _, _, _, _, _).

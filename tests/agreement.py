@@ -79,9 +79,7 @@ def thor(path: Path) -> dict[str, Score]:
         kinds = {thing.id: thing.label for thing in labels}
         movable = {thing.id for thing in labels if thing.pickupable}
         receptacles = {thing.id for thing in labels if thing.receptacle}
-        labelled = {
-            (thing.id, where) for thing in labels if thing.pickupable for where in thing.receptacles
-        }
+        labelled = {(thing.id, where) for thing in labels if thing.pickupable for where in thing.receptacles}
         with KnowledgeBase(scene) as kb:
             relations = kb.relations(relation=["on_top_of", "inside", "part_in", "affixed_on"])
         found = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -37,7 +38,7 @@ def nothing_installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "tools").mkdir()
     (tmp_path / "tools" / "cat").symlink_to("/bin/cat")
     monkeypatch.setenv("PATH", f"{place}:{tmp_path / 'tools'}")
-    monkeypatch.setattr(find.sys, "prefix", str(tmp_path / "prefix"))
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / "prefix"))
     monkeypatch.setattr(find, "_MAC_APP", tmp_path / "no-app")
     return place
 
@@ -99,7 +100,7 @@ def test_unfit_says_why(nothing_installed: Path, told: dict[str, str], reason: s
 
 def test_wrong_libswipl_path_says_so(nothing_installed: Path, library: Path) -> None:
     program(nothing_installed, PLLIBSWIPL=str(library))
-    with pytest.raises(PrologNotFoundError, match="no shared library at LIBSWIPL_PATH=/gone.so"):
+    with pytest.raises(PrologNotFoundError, match=r"no shared library at LIBSWIPL_PATH=/gone\.so"):
         find.locate(None, "/gone.so")
 
 
@@ -113,6 +114,6 @@ def test_a_program_that_fails_is_passed_over(nothing_installed: Path, library: P
 
 
 def test_pyswip_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
     with pytest.raises(MissingDependency, match="pip install pyswip"):
         find.find_pyswip()

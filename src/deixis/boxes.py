@@ -6,6 +6,7 @@ Boxes turn about the vertical only: their base is parallel to the XY plane (sect
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -18,7 +19,7 @@ NO_NORMAL: Final = -1
 """Value of ``Boxes.normal`` for a thing that is not a surface."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Boxes:
     """A batch of n boxes.
 
@@ -50,11 +51,28 @@ class Boxes:
         """Return which boxes are surfaces, shape (n,)."""
         return np.asarray(self.normal != NO_NORMAL)
 
+    @cached_property
+    def cos(self) -> Array:
+        """Return the cosines of the yaws, (n,)."""
+        return np.cos(self.yaw)
+
+    @cached_property
+    def sin(self) -> Array:
+        """Return the sines of the yaws, (n,)."""
+        return np.sin(self.yaw)
+
     def take(self, index: NDArray[np.int64]) -> Boxes:
-        """Return the boxes at the given positions."""
-        return Boxes(
-            self.center[index], self.half[index], self.yaw[index], self.normal[index], self.ambiguous[index]
+        """Return the boxes at the given positions, their coordinates column by column for arithmetic."""
+        some = Boxes(
+            np.take(self.center.T, index, axis=1).T,
+            np.take(self.half.T, index, axis=1).T,
+            self.yaw[index],
+            self.normal[index],
+            self.ambiguous[index],
         )
+        # Gathered, not computed again: cached_property looks here first.
+        some.__dict__["cos"], some.__dict__["sin"] = self.cos[index], self.sin[index]
+        return some
 
     def effective_half(self, granularity: float) -> Array:
         """Return half extents, none below half the granularity: no region is thinner than D. Shape (n, 3)."""
@@ -101,15 +119,10 @@ def contextualise(boxes: Boxes, position: Array) -> tuple[Boxes, Array, Mask]:
         Where two turns were equally small.
     """
     sight = bearing(position, boxes.center)
-    k, theta = quarter_turns(boxes.yaw, sight)
-    long_side = np.maximum(boxes.half[:, 0], boxes.half[:, 1])
-    square = np.abs(boxes.half[:, 0] - boxes.half[:, 1]) <= TIE * np.maximum(long_side, 1.0e-12)
-    tie = (np.abs(np.abs(theta) - QUARTER / 2.0) < TIE) & ~square
+    k, _, tie = _least_turn(boxes, sight)
     odd = (k % 2).astype(bool)
     half_x = np.where(odd, boxes.half[:, 1], boxes.half[:, 0])
     half_y = np.where(odd, boxes.half[:, 0], boxes.half[:, 1])
-    flip = tie & (half_x > half_y)
-    half_x, half_y = np.where(flip, half_y, half_x), np.where(flip, half_x, half_y)
     yaw = sight
     normal = boxes.normal
     if boxes.surface.any():
@@ -120,10 +133,9 @@ def contextualise(boxes: Boxes, position: Array) -> tuple[Boxes, Array, Mask]:
         yaw = np.where(wall, axis_yaw + np.where(ahead < 0.0, np.pi, 0.0), yaw)
         half_x = np.where(wall, np.where(normal == 1, boxes.half[:, 1], boxes.half[:, 0]), half_x)
         half_y = np.where(wall, np.where(normal == 1, boxes.half[:, 0], boxes.half[:, 1]), half_y)
-        tie &= ~wall
+        tie = tie & ~wall
         level = normal == 2
-        turned = np.where(flip, k + np.where(theta > 0.0, 1, -1), k)
-        yaw = np.where(level, boxes.yaw + turned * QUARTER, yaw)
+        yaw = np.where(level, boxes.yaw + k * QUARTER, yaw)
         normal = np.where(wall, 0, normal)
     offset = position[:2] - boxes.center[:, :2]
     cos, sin = np.cos(boxes.yaw), np.sin(boxes.yaw)
@@ -138,26 +150,38 @@ def contextualise(boxes: Boxes, position: Array) -> tuple[Boxes, Array, Mask]:
     return Boxes(boxes.center, half, yaw, normal, boxes.ambiguous), clearance, tie
 
 
-def align_with_world(boxes: Boxes) -> Boxes:
+def align_with_world(boxes: Boxes) -> tuple[Boxes, Mask]:
     """Return each box turned by the least angle to the world's axes: F_c with F_g in the place of F_r'.
 
     The cardinal relations (axioms 21-25) are stated in this frame; for a box that already lies along the
     world's axes it is the paper's F_o = F_g. A surface keeps its plane and takes its nearest own axis.
+
+    Returns
+    -------
+    framed : Boxes
+    tie : (n,) bool
+        Where two turns were equally small.
     """
-    k, theta = quarter_turns(boxes.yaw, np.zeros_like(boxes.yaw))
+    k, _, tie = _least_turn(boxes, np.zeros_like(boxes.yaw))
     odd = (k % 2).astype(bool)
     half_x = np.where(odd, boxes.half[:, 1], boxes.half[:, 0])
     half_y = np.where(odd, boxes.half[:, 0], boxes.half[:, 1])
-    tie = np.abs(np.abs(theta) - QUARTER / 2.0) < TIE
-    flip = tie & (half_x > half_y)
-    half_x, half_y = np.where(flip, half_y, half_x), np.where(flip, half_x, half_y)
-    turned = np.where(flip, k + np.where(theta > 0.0, 1, -1), k)
-    yaw = np.where(boxes.surface, boxes.yaw + turned * QUARTER, 0.0)
-    swap = (turned % 2).astype(bool)
-    normal = np.where(swap & (boxes.normal == 0), 1, np.where(swap & (boxes.normal == 1), 0, boxes.normal))
-    return Boxes(
-        boxes.center, np.stack([half_x, half_y, boxes.half[:, 2]], axis=1), yaw, normal, boxes.ambiguous
-    )
+    yaw = np.where(boxes.surface, boxes.yaw + k * QUARTER, 0.0)
+    normal = np.where(odd & (boxes.normal == 0), 1, np.where(odd & (boxes.normal == 1), 0, boxes.normal))
+    half = np.stack([half_x, half_y, boxes.half[:, 2]], axis=1)
+    return Boxes(boxes.center, half, yaw, normal, boxes.ambiguous), tie
+
+
+def _least_turn(boxes: Boxes, target: Array) -> tuple[NDArray[np.int64], Array, Mask]:
+    """Return :func:`quarter_turns` with ties decided: the longer side lies across the target's X axis."""
+    k, theta = quarter_turns(boxes.yaw, target)
+    long_side = np.maximum(boxes.half[:, 0], boxes.half[:, 1])
+    square = np.abs(boxes.half[:, 0] - boxes.half[:, 1]) <= TIE * np.maximum(long_side, 1.0e-12)
+    tie = (np.abs(np.abs(theta) - QUARTER / 2.0) < TIE) & ~square
+    along = np.where((k % 2).astype(bool), boxes.half[:, 1], boxes.half[:, 0])
+    wrong = tie & (along >= long_side)
+    step = np.where(theta > 0.0, 1, -1)
+    return np.where(wrong, k + step, k), np.where(wrong, theta - step * QUARTER, theta), tie
 
 
 def convex_hull_2d(points: Array) -> Array:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from deixis.frames import Array, Index, Mask
 from deixis.thresholds import Thresholds
@@ -44,32 +45,19 @@ class ViewFacts:
     ambiguous: tuple[int, ...] = ()
 
 
-@dataclass(frozen=True)
-class Facts:
-    """The grounded scene: p ordered pairs (figure, reference) within reach, in lexicographic order.
+@dataclass(frozen=True, slots=True)
+class PairColumns:
+    """What was measured of p ordered pairs (figure, reference), whatever the view, in lexicographic order.
 
-    Lengths are metres, areas square metres, volumes cubic metres, all in the world frame.
+    Lengths are metres, volumes cubic metres, in the world frame.
 
     Attributes
     ----------
-    scene : str
-        The scene's id.
-    ids : tuple of str
-        Object ids; the integer columns index this.
-    labels : tuple of tuple of (str, float)
-        Ranked labels with scores, per object.
-    surface : (n,) bool
-        Walls, floors, ceilings.
-    volume : (n,) float
-        Of the minimum bounding boxes, no side thinner than D.
-    thresholds : Thresholds
-        The numbers every truth value below was decided with.
     figure, reference : (p,) int
-    distance : (p,) float
-        Least distance of the two regions (axiom 14); 0 where they overlap.
+        Positions in the scene.
     separation : (p,) float
-        The distance, or minus the least translation that separates overlapping regions.
-    normal : (p, 3) float
+        The distance of the two regions, or minus the least translation that parts overlapping ones.
+    normal : (p, 3) float32
         Unit vector from reference to figure along which the separation is measured.
     intersection : (p,) float
         Volume of inter (axiom 18).
@@ -83,6 +71,63 @@ class Facts:
         The same for "lies completely in" it.
     ordered : (p,) bool
         Whether the pair stands in figure-reference order: the reference is a surface or not the smaller.
+    """
+
+    figure: Index
+    reference: Index
+    separation: Array
+    normal: NDArray[np.float32]
+    intersection: Array
+    protrusion: Array
+    frontier: Array
+    vertical: Array
+    vertical_strict: Array
+    ordered: Mask
+
+    @classmethod
+    def empty(cls, figure: Index, reference: Index) -> PairColumns:
+        """Return columns for these pairs, to be filled in."""
+        p = len(figure)
+        return cls(
+            figure,
+            reference,
+            np.empty(p),
+            np.empty((p, 3), dtype=np.float32),
+            np.empty(p),
+            np.empty(p),
+            np.empty(p),
+            np.empty((p, 2)),
+            np.empty((p, 2)),
+            np.empty(p, dtype=np.bool_),
+        )
+
+    def where(self, keep: Mask) -> PairColumns:
+        """Return the rows to keep."""
+        if keep.all():
+            return self
+        return PairColumns(*(getattr(self, name)[keep] for name in self.__slots__))
+
+
+@dataclass(frozen=True)
+class Facts:
+    """The grounded scene: p ordered pairs (figure, reference) within reach, and its views.
+
+    Attributes
+    ----------
+    scene : str
+        The scene's id.
+    ids : tuple of str
+        Object ids; the integer columns index this.
+    labels : tuple of tuple of (str, float)
+        Ranked labels with scores, per object.
+    surface : (n,) bool
+        Walls, floors, ceilings.
+    volume : (n,) float
+        Of the minimum bounding boxes, no side thinner than D, cubic metres.
+    thresholds : Thresholds
+        The numbers every truth value was decided with.
+    pairs : PairColumns
+        Also reachable column by column: ``facts.separation``.
     views : tuple of ViewFacts
         The world's cardinal directions first, then one per view of the scene.
     """
@@ -93,21 +138,66 @@ class Facts:
     surface: Mask
     volume: Array
     thresholds: Thresholds
-    figure: Index
-    reference: Index
-    distance: Array
-    separation: Array
-    normal: Array
-    intersection: Array
-    protrusion: Array
-    frontier: Array
-    vertical: Array
-    vertical_strict: Array
-    ordered: Mask
+    pairs: PairColumns
     views: tuple[ViewFacts, ...]
 
     def __len__(self) -> int:
-        return len(self.figure)
+        return len(self.pairs.figure)
+
+    @property
+    def figure(self) -> Index:
+        """Return the figures' positions in ``ids``, (p,)."""
+        return self.pairs.figure
+
+    @property
+    def reference(self) -> Index:
+        """Return the references' positions in ``ids``, (p,)."""
+        return self.pairs.reference
+
+    @property
+    def separation(self) -> Array:
+        """Return the signed separations, metres, (p,)."""
+        return self.pairs.separation
+
+    @cached_property
+    def distance(self) -> Array:
+        """Return the least distances (axiom 14), metres, 0 where the two overlap, (p,)."""
+        return np.maximum(self.pairs.separation, 0.0)
+
+    @property
+    def normal(self) -> NDArray[np.float32]:
+        """Return the directions of the separations, (p, 3)."""
+        return self.pairs.normal
+
+    @property
+    def intersection(self) -> Array:
+        """Return the volumes of inter (axiom 18), cubic metres, (p,)."""
+        return self.pairs.intersection
+
+    @property
+    def protrusion(self) -> Array:
+        """Return how far the figures stick out of the references, metres, (p,)."""
+        return self.pairs.protrusion
+
+    @property
+    def frontier(self) -> Array:
+        """Return the measures of the figures' points adjacent to inter (axiom 39), cubic metres, (p,)."""
+        return self.pairs.frontier
+
+    @property
+    def vertical(self) -> Array:
+        """Return the relaxed margins along Z+ and Z-, metres, (p, 2)."""
+        return self.pairs.vertical
+
+    @property
+    def vertical_strict(self) -> Array:
+        """Return the strict margins along Z+ and Z-, metres, (p, 2)."""
+        return self.pairs.vertical_strict
+
+    @property
+    def ordered(self) -> Mask:
+        """Return which pairs stand in figure-reference order, (p,)."""
+        return self.pairs.ordered
 
     @cached_property
     def is_close(self) -> Mask:

@@ -10,7 +10,7 @@ F_g        ``world``                   the global frame
 F_r        a view's pose               the robot (or any onlooker)
 F_r'       ``bearing``                 F_r turned to face a reference's centroid
 F_o        ``yaw`` of a box            the object's own frame
-F_c        ``context_yaw``             F_o's origin with the axes of F_r' (axiom 12)
+F_c        ``contextualise``           F_o's origin with the axes of F_r' (axiom 12)
 =========  ==========================  ==========================================
 """
 

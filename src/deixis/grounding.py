@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
 
 from deixis import halfspaces, measures
 from deixis.boxes import Boxes, align_with_world, contextualise
-from deixis.facts import Facts, ViewFacts
+from deixis.broadphase import MAX_PAIRS, WORKERS, candidate_rows, reach
+from deixis.facts import Facts, PairColumns, ViewFacts
 from deixis.frames import WORLD, Array, Index
 from deixis.scene import Scene, View
 from deixis.thresholds import SNAP, SNAP_DECIMALS, Thresholds
 
-ORDER_TOLERANCE = 1.0e-6
+ORDER_TOLERANCE: Final = 1.0e-6
 """Relative difference of volume below which two things are equally large, each a reference of the other."""
 
+_BLOCK: Final = 16_384
+"""Pairs measured at once: their intermediate arrays stay in the cache."""
 
-def ground(scene: Scene) -> Facts:
+
+def ground(scene: Scene, *, max_pairs: int = MAX_PAIRS) -> Facts:
     """Return the facts of a scene: every ordered pair within reach, measured, for all its views.
 
     A pair is within reach iff its distance is at most T or the reference's halfspaces may extend to the
@@ -28,11 +35,18 @@ def ground(scene: Scene) -> Facts:
     ----------
     scene : Scene
         Objects, surfaces and views, metres, world frame.
+    max_pairs : int
+        The most ordered pairs allowed; about 200 bytes each.
 
     Returns
     -------
     Facts
         Lengths rounded to a nanometre, so that rounding noise decides no closed bound.
+
+    Raises
+    ------
+    GeometryError
+        More than ``max_pairs`` ordered pairs are within reach.
 
     Examples
     --------
@@ -42,44 +56,43 @@ def ground(scene: Scene) -> Facts:
     """
     boxes, limits = scene.boxes, scene.thresholds
     volume = boxes.volume(limits.granularity)
-    first, second = candidate_pairs(boxes, limits)
-    base = _measure(boxes, first, second, volume, limits)
-    views = [_world(boxes, base, limits)]
-    views += [_view(boxes, base, limits, view) for view in scene.views]
-    return Facts(
+    figure, reference = candidate_rows(boxes, limits, max_pairs)
+    pairs = _measure(boxes, figure, reference, volume, limits)
+    facts = Facts(
         scene=scene.id,
         ids=tuple(thing.id for thing in scene.objects),
         labels=tuple(tuple((label.name, label.score) for label in thing.labels) for thing in scene.objects),
         surface=boxes.surface,
         volume=volume,
         thresholds=limits,
-        views=tuple(views),
-        **base,
+        pairs=pairs,
+        views=(),
     )
+    views = [_world(boxes, facts), *(look(scene, facts, view) for view in scene.views)]
+    return replace(facts, views=tuple(views))
 
 
-def candidate_pairs(boxes: Boxes, limits: Thresholds) -> tuple[Index, Index]:
-    """Return the unordered pairs (i < j) that may be within reach, by axis-aligned boxes and reaches."""
-    n = len(boxes)
-    half = boxes.effective_half(limits.granularity)
-    cos, sin = np.abs(np.cos(boxes.yaw)), np.abs(np.sin(boxes.yaw))
-    around = np.stack(
-        [half[:, 0] * cos + half[:, 1] * sin, half[:, 0] * sin + half[:, 1] * cos, half[:, 2]], axis=1
-    )
-    reach = _reach(boxes, limits)
-    i, j = np.triu_indices(n, 1)
-    gap = np.maximum(np.abs(boxes.center[i] - boxes.center[j]) - around[i] - around[j], 0.0)
-    near = (gap * gap).sum(axis=1) <= np.maximum(reach[i], reach[j]) ** 2
-    return i[near], j[near]
+def look(scene: Scene, facts: Facts, view: View) -> ViewFacts:
+    """Return the halfspaces in the contextualised frames of one view of a grounded scene (axioms 30-34).
 
+    All that a new pose of the robot changes; the pairs are not measured again.
 
-def _reach(boxes: Boxes, limits: Thresholds) -> Array:
-    """Return how far from each thing, as a reference, a figure may lie and still be spoken of, metres."""
-    half = boxes.effective_half(limits.granularity)
-    # A contextualised box turns about the centre: its corners leave the minimum box by at most the diagonal.
-    plan = 2.0 * limits.halfspace_scale * half[:, :2].max(axis=1) + np.hypot(half[:, 0], half[:, 1])
-    sweep = np.maximum(plan, 2.0 * limits.halfspace_scale * half[:, 2])
-    return np.where(boxes.surface, np.inf, np.maximum(sweep, limits.closeness))
+    Parameters
+    ----------
+    scene : Scene
+        The scene whose facts these are.
+    facts : Facts
+        Of the scene, whatever its views.
+    view : View
+        Any pose.
+    """
+    framed, clearance, tie = contextualise(scene.boxes, view.position)
+    seen = clearance > SNAP
+    rows = np.flatnonzero(facts.ordered & seen[facts.reference])
+    relaxed, strict = _horizontal(scene.boxes, framed, facts, rows)
+    wall = np.isin(scene.boxes.normal, (0, 1))
+    withheld = tuple((int(index), _reason(bool(wall[index]))) for index in np.flatnonzero(~seen))
+    return ViewFacts(view.id, rows, relaxed, strict, withheld, tuple(np.flatnonzero(tie).tolist()))
 
 
 def _snap(values: Array) -> Array:
@@ -87,104 +100,93 @@ def _snap(values: Array) -> Array:
     return np.round(values, SNAP_DECIMALS) + 0.0
 
 
-def _measure(boxes: Boxes, i: Index, j: Index, volume: Array, limits: Thresholds) -> dict[str, np.ndarray]:
-    """Measure unordered pairs once; return them in both orders, pruned to what is within reach."""
+def _in_blocks(count: int, work: Callable[[slice], None]) -> None:
+    """Do the work for all rows, block by block, on all processors."""
+    blocks = [slice(start, min(start + _BLOCK, count)) for start in range(0, count, _BLOCK)]
+    if len(blocks) <= 1:
+        for block in blocks:
+            work(block)
+        return
+    with ThreadPoolExecutor(WORKERS) as pool:
+        for _ in pool.map(work, blocks):
+            pass
+
+
+def _measure(boxes: Boxes, figure: Index, reference: Index, volume: Array, limits: Thresholds) -> PairColumns:
+    """Measure the candidates and keep those within reach."""
+    columns = PairColumns.empty(figure, reference)
+    keep = np.empty(len(figure), dtype=np.bool_)
+    limit = reach(boxes, limits)
+
+    def work(block: slice) -> None:
+        i, j = figure[block], reference[block]
+        _measure_block(boxes, i, j, limits, columns, block)
+        ordered = ~boxes.surface[i] & (boxes.surface[j] | (volume[j] >= volume[i] * (1.0 - ORDER_TOLERANCE)))
+        columns.ordered[block] = ordered
+        apart = columns.separation[block]
+        keep[block] = (apart <= limits.closeness) | (ordered & (apart <= limit[j]))
+
+    _in_blocks(len(figure), work)
+    return columns.where(keep)
+
+
+def _measure_block(
+    boxes: Boxes, i: Index, j: Index, limits: Thresholds, columns: PairColumns, block: slice
+) -> None:
+    """Fill in the view-independent columns of some rows."""
+    d = limits.granularity
     a, b = boxes.take(i), boxes.take(j)
     there = measures.place(a, b)
-    back = there.reversed()
-    up, down = measures.vertical_escapes(there, a.half, b.half, a.surface, b.surface, limits.granularity)
+    up, down = measures.vertical_escapes(there, a.half, b.half, a.surface, b.surface, d)
     signed, local = measures.separation(there, a.half, b.half, up, down)
     signed = _snap(signed)
-    cos, sin = np.cos(b.yaw), np.sin(b.yaw)
-    normal = np.stack(
-        [cos * local[:, 0] - sin * local[:, 1], sin * local[:, 0] + cos * local[:, 1], local[:, 2]], axis=1
-    )
-    k = len(i)
-    shared, frontier_a, frontier_b = np.zeros(k), np.zeros(k), np.zeros(k)
+    columns.separation[block] = signed
+    columns.normal[block, 0] = b.cos * local[:, 0] - b.sin * local[:, 1]
+    columns.normal[block, 1] = b.sin * local[:, 0] + b.cos * local[:, 1]
+    columns.normal[block, 2] = local[:, 2]
+    shared, frontier = np.zeros(len(i)), np.zeros(len(i))
     deep = np.flatnonzero(signed < 0.0)
     if len(deep):
-        d = limits.granularity
-        pair, rev = there.take(deep), back.take(deep)
+        pair, back = there.take(deep), there.reversed().take(deep)
         half_a, half_b = a.half[deep], b.half[deep]
         thick_a, thick_b = np.maximum(half_a, 0.5 * d), np.maximum(half_b, 0.5 * d)
         shared[deep] = measures.intersection_volume(pair, half_a, half_b)
-        # Points of a adjacent to inter: D times the area of b's surface inside a; and the other way round.
-        frontier_a[deep] = d * measures.surface_inside(rev, thick_b, thick_a, d)
-        frontier_b[deep] = d * measures.surface_inside(pair, thick_a, thick_b, d)
-    vertical_a, strict_a = halfspaces.meets_vertical(
-        there, a.half, b.half, b.normal, signed, up, down, limits
-    )
-    vertical_b, strict_b = halfspaces.meets_vertical(back, b.half, a.half, a.normal, signed, down, up, limits)
-    figure, reference = np.concatenate([i, j]), np.concatenate([j, i])
-    ordered = ~boxes.surface[figure] & (
-        boxes.surface[reference] | (volume[reference] >= volume[figure] * (1.0 - ORDER_TOLERANCE))
-    )
-    separation = np.concatenate([signed, signed])
-    reach = _reach(boxes, limits)[reference]
-    keep = (separation <= limits.closeness) | (ordered & (separation <= reach))
-    order = np.flatnonzero(keep)
-    order = order[np.lexsort((reference[order], figure[order]))]
-
-    def both(one: Array, other: Array) -> Array:
-        return np.concatenate([one, other])[order]
-
-    separation = separation[order]
-    return {
-        "figure": figure[order],
-        "reference": reference[order],
-        "distance": np.maximum(separation, 0.0),
-        "separation": separation,
-        "normal": both(normal, -normal),
-        "intersection": np.round(both(shared, shared), 12),
-        "protrusion": _snap(
-            both(measures.protrusion(there, a.half, b.half), measures.protrusion(back, b.half, a.half))
-        ),
-        "frontier": np.round(both(frontier_a, frontier_b), 12),
-        "vertical": _snap(both(vertical_a, vertical_b)),
-        "vertical_strict": _snap(both(strict_a, strict_b)),
-        "ordered": ordered[order],
-    }
+        # Points of a adjacent to inter: D times the area of b's surface inside a.
+        frontier[deep] = d * measures.surface_inside(back, thick_b, thick_a, d)
+    columns.intersection[block] = np.round(shared, 12)
+    columns.frontier[block] = np.round(frontier, 12)
+    columns.protrusion[block] = _snap(measures.protrusion(there, a.half, b.half))
+    relaxed, strict = halfspaces.meets_vertical(there, a.half, b.half, b.normal, signed, up, down, limits)
+    columns.vertical[block] = _snap(relaxed)
+    columns.vertical_strict[block] = _snap(strict)
 
 
-def _world(boxes: Boxes, base: dict[str, np.ndarray], limits: Thresholds) -> ViewFacts:
+def _world(boxes: Boxes, facts: Facts) -> ViewFacts:
     """Return the cardinal halfspaces (axioms 21-25): the boxes aligned with the world's axes."""
-    rows = np.flatnonzero(base["ordered"])
-    relaxed, strict = _horizontal(boxes, align_with_world(boxes), base, rows, limits)
-    return ViewFacts(WORLD, rows, relaxed, strict)
+    rows = np.flatnonzero(facts.ordered)
+    framed, tie = align_with_world(boxes)
+    relaxed, strict = _horizontal(boxes, framed, facts, rows)
+    return ViewFacts(WORLD, rows, relaxed, strict, (), tuple(np.flatnonzero(tie).tolist()))
 
 
-def _view(boxes: Boxes, base: dict[str, np.ndarray], limits: Thresholds, view: View) -> ViewFacts:
-    """Return the halfspaces in the contextualised frames of one view (axioms 30-34)."""
-    framed, clearance, tie = contextualise(boxes, view.position)
-    seen = clearance > SNAP
-    rows = np.flatnonzero(base["ordered"])
-    rows = rows[seen[base["reference"][rows]]]
-    relaxed, strict = _horizontal(boxes, framed, base, rows, limits)
-    withheld = tuple(
-        (int(index), _withheld_reason(bool(boxes.normal[index] in (0, 1)))) for index in np.flatnonzero(~seen)
-    )
-    return ViewFacts(view.id, rows, relaxed, strict, withheld, tuple(np.flatnonzero(tie).tolist()))
-
-
-def _withheld_reason(wall: bool) -> str:
+def _reason(wall: bool) -> str:
     """Say why a reference has no front and sides in a view."""
     if wall:
         return "the view stands in the plane of this surface, so neither side is its front"
     return "the view stands within the footprint of this reference, so it has no front and sides"
 
 
-def _horizontal(
-    boxes: Boxes, framed: Boxes, base: dict[str, np.ndarray], rows: Index, limits: Thresholds
-) -> tuple[Array, Array]:
-    figure, reference = boxes.take(base["figure"][rows]), framed.take(base["reference"][rows])
-    relaxed, strict = halfspaces.meets_horizontal(
-        measures.place(figure, reference),
-        figure.half,
-        reference.half,
-        reference.normal,
-        limits,
-    )
-    return _snap(relaxed), _snap(strict)
+def _horizontal(boxes: Boxes, framed: Boxes, facts: Facts, rows: Index) -> tuple[Array, Array]:
+    """Return the margins along X+, X-, Y+, Y- of references in their frames, (q, 4) each."""
+    figure, reference, apart = facts.figure[rows], facts.reference[rows], facts.separation[rows]
+    relaxed, strict = np.empty((len(rows), 4)), np.empty((len(rows), 4))
 
+    def work(block: slice) -> None:
+        a, b = boxes.take(figure[block]), framed.take(reference[block])
+        meets, within = halfspaces.meets_horizontal(
+            measures.place(a, b), a.half, b.half, b.normal, apart[block], facts.thresholds
+        )
+        relaxed[block], strict[block] = _snap(meets), _snap(within)
 
-__all__: Sequence[str] = ["candidate_pairs", "ground"]
+    _in_blocks(len(rows), work)
+    return relaxed, strict

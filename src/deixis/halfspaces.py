@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from deixis.frames import Array, Index
-from deixis.measures import Placement, corners_in_reference, extent, plan_overlaps, slab
-from deixis.thresholds import MAX_COORDINATE, Thresholds
+from deixis.measures import Placement, extent, plan_overlaps
+from deixis.thresholds import Thresholds
 
 
 def strip_range(placement: Placement, half_a: Array, half_width: Array, along_x: bool) -> tuple[Array, Array]:
@@ -30,21 +30,32 @@ def strip_range(placement: Placement, half_a: Array, half_width: Array, along_x:
     Returns
     -------
     low, high : (k,) float
-        Metres along the axis, from the reference's centre; without a common part, of the whole figure.
+        Metres along the axis, from the reference's centre; without a common part they mean nothing.
     """
-    x0, y0 = corners_in_reference(placement, half_a)
-    along, across = (x0, y0) if along_x else (y0, x0)
-    step_along, step_across = np.roll(along, -1, axis=0) - along, np.roll(across, -1, axis=0) - across
-    enter, leave = slab(across, step_across, half_width)
-    meets = enter <= leave
-    none = ~meets.any(axis=0)
-    first, last = along + enter * step_along, along + leave * step_along
-    low = np.where(meets, np.minimum(first, last), np.inf).min(axis=0)
-    high = np.where(meets, np.maximum(first, last), -np.inf).max(axis=0)
-    if none.any():
-        low = np.where(none, along.min(axis=0), low)
-        high = np.where(none, along.max(axis=0), high)
-    return low, high
+    if along_x:
+        cos, sin, across, along = placement.sin, placement.cos, placement.y, placement.x
+    else:
+        cos, sin, across, along = placement.cos, placement.sin, placement.x, placement.y
+    # From its highest corner a rectangle's outline falls along one side to the left and one to the right,
+    # all the way to its ends; so the highest point in the strip is the one nearest to the corner's place.
+    flat, steep = np.abs(cos), np.abs(sin)
+    way = np.copysign(1.0, cos) * np.copysign(1.0, sin)
+    top = way * (half_a[:, 0] * flat - half_a[:, 1] * steep)
+    reach = half_a[:, 0] * steep + half_a[:, 1] * flat
+    slope = steep / np.maximum(flat, _TINY), flat / np.maximum(steep, _TINY)
+    results = []
+    for side in (1.0, -1.0):
+        corner = across + side * top
+        aside = np.minimum(np.maximum(corner, -half_width), half_width) - corner
+        # Moving the strip by a picometre changes nothing that is measured, and keeps steep sides finite.
+        falls = np.maximum(np.abs(aside) - _PICOMETRE, 0.0)
+        drop = falls * np.where(aside * side * way < 0.0, slope[0], slope[1])
+        results.append(along + side * (reach - np.minimum(drop, 2.0 * reach)))
+    return results[1], results[0]
+
+
+_TINY = 1.0e-300
+_PICOMETRE = 1.0e-12
 
 
 def meets_horizontal(
@@ -52,6 +63,7 @@ def meets_horizontal(
     half_a: Array,
     half_b: Array,
     normal_b: Index,
+    separation: Array,
     limits: Thresholds,
 ) -> tuple[Array, Array]:
     """Return margins of "the figure meets the halfspace" and "lies completely in it", for X+, X-, Y+, Y-.
@@ -60,7 +72,8 @@ def meets_horizontal(
     there, without end along a surface's normal (axioms 20, 30, decision 0001). The figure meets it
     iff their cross-sections overlap by at least D/2, the figure lies beyond the face up to D or reaches
     beyond it by D, and it begins before the halfspace ends; it lies completely in it iff, besides, it
-    protrudes nowhere by more than D (axiom 21).
+    protrudes nowhere by more than D (axiom 21). What intersects the reference has to reach beyond the face:
+    a thin thing at a drawer's side, within it, is not beside it.
 
     Parameters
     ----------
@@ -70,6 +83,8 @@ def meets_horizontal(
         Half extents of figure and reference in their frames, metres.
     normal_b : (k,) int
         For surfaces the axis of the normal.
+    separation : (k,) float
+        Of :func:`deixis.measures.separation`, metres.
     limits : Thresholds
 
     Returns
@@ -78,6 +93,7 @@ def meets_horizontal(
         Metres by which the answer would have to move to flip; not negative where it holds.
     """
     granularity = limits.granularity
+    deep = separation < -limits.penetration
     thick_a, thick_b = np.maximum(half_a, 0.5 * granularity), np.maximum(half_b, 0.5 * granularity)
     a_x, a_y = extent(placement, thick_a)
     slack_z = thick_a[:, 2] + thick_b[:, 2] - 0.5 * granularity - np.abs(placement.z)
@@ -95,7 +111,8 @@ def meets_horizontal(
         for column, (near, far, middle) in enumerate(((low, high, center), (-high, -low, -center))):
             # Flush on a wall no thicker than D, a sheet is on the side its middle is on, not on both.
             flush = np.minimum(near - (face - granularity), middle)
-            beyond = np.maximum(flush, far - (face + granularity))
+            out = far - (face + granularity)
+            beyond = np.where(deep, out, np.maximum(flush, out))
             meets = np.minimum(np.minimum(slack, beyond), face + depth - near)
             starts = middle - reach - (face - granularity)
             ends = face + depth + granularity - (middle + reach)
@@ -138,12 +155,16 @@ def meets_vertical(
     )
     face = half_b[:, 2]
     depth = np.where(normal_b == 2, np.inf, 2.0 * limits.halfspace_scale * thick_b[:, 2])
-    contact = (separation >= -band) & (separation <= granularity)
+    deep = separation < -band
+    contact = ~deep & (separation <= granularity)
     relaxed, strict = np.empty((len(a_x), 2)), np.empty((len(a_x), 2))
     for column, (center, escape, other) in enumerate(((placement.z, up, down), (-placement.z, down, up))):
         near, far = center - half_a[:, 2], center + half_a[:, 2]
-        beyond = np.maximum(near - (face - granularity), far - (face + granularity))
-        facing = np.minimum(np.minimum(lateral, band), other) - np.minimum(escape, _FAR)
+        out = far - (face + granularity)
+        beyond = np.where(deep, out, np.maximum(near - (face - granularity), out))
+        # A way out that does not count is as far as it would be if it did.
+        blocked = center - half_a[:, 2] - face
+        facing = np.where(np.isinf(escape), blocked, np.minimum(np.minimum(lateral, band), other) - escape)
         beyond = np.where(contact, facing, beyond)
         meets = np.minimum(np.minimum(slack, beyond), face + depth - near)
         relaxed[:, column] = meets
@@ -152,7 +173,3 @@ def meets_vertical(
             np.minimum(near - (face - granularity), face + depth + granularity - far),
         )
     return relaxed, strict
-
-
-_FAR = 2.0 * MAX_COORDINATE
-"""Stands for an escape that does not exist, where a finite margin is wanted."""

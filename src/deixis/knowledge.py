@@ -11,16 +11,17 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
+from deixis import vocabulary
 from deixis._files import rules_dir
 from deixis.errors import QueryError
 from deixis.facts import Facts
 from deixis.grounding import ground
 from deixis.scene import Scene
-from deixis.vocabulary import BASE, RELATIONS, Term
+from deixis.vocabulary import BASE, RELATIONS
 
 if TYPE_CHECKING:
     from deixis.explain import Answer
-    from deixis.prolog import Answers, PrologEngine
+    from deixis.prolog import Answers, PrologEngine, Term
 
 _ORDER = {term.name: position for position, term in enumerate((*BASE, *RELATIONS))}
 
@@ -145,7 +146,7 @@ class KnowledgeBase:
         )
 
     def facts_text(self, *, readable: bool = True) -> str:
-        """Return the base facts as a Prolog list, as the contract of ``rules/facts.pl`` has them."""
+        """Return the base facts, by the contract of ``rules/facts.pl``: as clauses, or faster as one list."""
         from deixis.prolog.text import facts_text
 
         views = [(view.id, view.label) for view in self.scene.views]
@@ -193,9 +194,8 @@ class KnowledgeBase:
             self.check_view(view)
         from deixis.prolog import Atom
 
-        rows: Any = self.engine.call(
-            "margins", *[[Atom(term.name), term.arity] for term in wanted], timeout=timeout
-        )
+        predicates: list[Term] = [[Atom(term.name), term.arity] for term in wanted]
+        rows: Any = self.engine.call("margins", *predicates, timeout=timeout)
         views = {term.name for term in wanted if term.view}
         found = [
             Relation(row[0], row[1], row[2], row[3] if row[0] in views else None, row[-1])
@@ -251,7 +251,7 @@ def theory_files() -> tuple[Path, ...]:
     return tuple(rules / f"{name}.pl" for name in names)
 
 
-def _term(name: str) -> Term:
+def _term(name: str) -> vocabulary.Term:
     known = {term.name: term for term in (*BASE, *RELATIONS)}
     if name not in known:
         raise QueryError(f"no relation {name!r}{_hint(name, list(known))}")

@@ -53,15 +53,14 @@ class Placement:
 
 def place(figure: Boxes, reference: Boxes) -> Placement:
     """Return the figures' centres and yaws in their references' frames."""
-    offset = figure.center - reference.center
-    cos, sin = np.cos(reference.yaw), np.sin(reference.yaw)
-    turn = figure.yaw - reference.yaw
+    x, y, z = (figure.center - reference.center).T
+    cos, sin = reference.cos, reference.sin
     return Placement(
-        cos * offset[:, 0] + sin * offset[:, 1],
-        cos * offset[:, 1] - sin * offset[:, 0],
-        offset[:, 2],
-        np.cos(turn),
-        np.sin(turn),
+        cos * x + sin * y,
+        cos * y - sin * x,
+        z,
+        figure.cos * cos + figure.sin * sin,
+        figure.sin * cos - figure.cos * sin,
     )
 
 
@@ -88,14 +87,6 @@ def plan_overlaps(placement: Placement, half_a: Array, half_b: Array) -> Array:
             half_a[:, 1] + b_y - np.abs(back.y),
         ]
     )
-
-
-def _gap_vectors(placement: Placement, half_a: Array, half_b: Array) -> tuple[Array, Array]:
-    """Return vectors from the reference's plan view to each corner of the figure, (4, k) each."""
-    corner_x, corner_y = corners_in_reference(placement, half_a)
-    gap_x = np.maximum(np.abs(corner_x) - half_b[:, 0], 0.0) * np.sign(corner_x)
-    gap_y = np.maximum(np.abs(corner_y) - half_b[:, 1], 0.0) * np.sign(corner_y)
-    return gap_x, gap_y
 
 
 def corners_in_reference(placement: Placement, half_a: Array) -> tuple[Array, Array]:
@@ -171,46 +162,80 @@ def separation(
     normal : (k, 3) float
         Unit vectors from reference to figure, in the reference's frame.
     """
-    k = len(placement.x)
     overlaps = plan_overlaps(placement, half_a, half_b)
-    depth = overlaps.min(axis=0)
+    depth = np.minimum(np.minimum(overlaps[0], overlaps[1]), np.minimum(overlaps[2], overlaps[3]))
+    gap_x, gap_y = _plan_gap(placement, half_a, half_b)
+    level = depth < 0.0
+    normal = np.empty((3, len(depth)))
+    normal[0] = np.where(level, gap_x, 0.0)
+    normal[1] = np.where(level, gap_y, 0.0)
     gap_z = np.abs(placement.z) - half_a[:, 2] - half_b[:, 2]
-    sign_z = np.where(placement.z < 0.0, -1.0, 1.0)
+    normal[2] = np.copysign(np.maximum(gap_z, 0.0), placement.z)
+    result = np.sqrt((normal * normal).sum(axis=0))
+    normal /= np.where(result > 0.0, result, 1.0)
+    deep = np.flatnonzero(~level & (gap_z <= 0.0))
+    if len(deep):
+        some = placement.take(deep)
+        up, down = up[deep], down[deep]
+        escape = np.minimum(up, down)
+        axes = _face_normals(some, overlaps[:, deep].argmin(axis=0))
+        upright = escape <= depth[deep]
+        axes[:, upright] = 0.0
+        axes[2, upright] = np.where(up <= down, 1.0, -1.0)[upright]
+        normal[:, deep] = axes
+        result[deep] = -np.minimum(depth[deep], escape)
+    return result, normal.T
+
+
+def _plan_gap(placement: Placement, half_a: Array, half_b: Array) -> tuple[Array, Array]:
+    """Return the shortest vectors from the references' plan views to the figures', x and y, (k,) each.
+
+    It ends at a corner of one of the two. Where the plan views overlap without a corner in the other, the
+    result has no meaning.
+    """
+    cos, sin = placement.cos, placement.sin
     back = placement.reversed()
-    # Overlapping: the axis of least overlap, upright or in plan.
-    side = overlaps.argmin(axis=0)
-    sign_x, sign_y = np.where(placement.x < 0.0, -1.0, 1.0), np.where(placement.y < 0.0, -1.0, 1.0)
-    own_x, own_y = np.where(back.x > 0.0, -1.0, 1.0), np.where(back.y > 0.0, -1.0, 1.0)
-    normal = np.zeros((k, 3))
-    normal[:, 0] = np.choose(side, [sign_x, 0.0 * sign_x, own_x * placement.cos, -own_y * placement.sin])
-    normal[:, 1] = np.choose(side, [0.0 * sign_y, sign_y, own_x * placement.sin, own_y * placement.cos])
-    escape = np.minimum(up, down)
-    upright = escape <= depth
-    normal[upright] = 0.0
-    normal[upright, 2] = np.where(up <= down, 1.0, -1.0)[upright]
-    result = -np.minimum(depth, escape)
-    apart = np.flatnonzero((depth < 0.0) | (gap_z > 0.0))
-    if len(apart):
-        some, half_a, half_b = placement.take(apart), half_a[apart], half_b[apart]
-        there = some.reversed()
-        gap_x, gap_y = _gap_vectors(some, half_a, half_b)
-        own_gap_x, own_gap_y = _gap_vectors(there, half_b, half_a)
-        # A gap from the figure to the reference's corner, turned round and into the reference's frame.
-        all_x = np.concatenate([gap_x, some.sin * own_gap_y - some.cos * own_gap_x])
-        all_y = np.concatenate([gap_y, -some.sin * own_gap_x - some.cos * own_gap_y])
-        squared = all_x * all_x + all_y * all_y
-        nearest = squared.argmin(axis=0)
-        pick = np.arange(len(apart))
-        level = depth[apart] < 0.0
-        vector = np.zeros((len(apart), 3))
-        vector[:, 0] = np.where(level, all_x[nearest, pick], 0.0)
-        vector[:, 1] = np.where(level, all_y[nearest, pick], 0.0)
-        vector[:, 2] = np.maximum(gap_z[apart], 0.0) * sign_z[apart]
-        distance = np.sqrt((vector * vector).sum(axis=1))
-        result[apart] = distance
-        some_way = distance > 0.0
-        normal[apart[some_way]] = vector[some_way] / distance[some_way, None]
-    return result, normal
+    best_x, best_y = np.empty_like(cos), np.empty_like(cos)
+    best = np.full_like(cos, np.inf)
+    for sign_x, sign_y in _SIGNS:
+        along, across = sign_x * half_a[:, 0], sign_y * half_a[:, 1]
+        gap_x = _beyond(placement.x + along * cos - across * sin, half_b[:, 0])
+        gap_y = _beyond(placement.y + along * sin + across * cos, half_b[:, 1])
+        squared = gap_x * gap_x + gap_y * gap_y
+        closer = squared < best
+        best = np.where(closer, squared, best)
+        best_x, best_y = np.where(closer, gap_x, best_x), np.where(closer, gap_y, best_y)
+    for sign_x, sign_y in _SIGNS:
+        along, across = sign_x * half_b[:, 0], sign_y * half_b[:, 1]
+        gap_x = _beyond(back.x + along * cos + across * sin, half_a[:, 0])
+        gap_y = _beyond(back.y - along * sin + across * cos, half_a[:, 1])
+        squared = gap_x * gap_x + gap_y * gap_y
+        closer = squared < best
+        best = np.where(closer, squared, best)
+        # From the figure to the reference's corner: turned round, and into the reference's frame.
+        best_x = np.where(closer, sin * gap_y - cos * gap_x, best_x)
+        best_y = np.where(closer, -sin * gap_x - cos * gap_y, best_y)
+    return best_x, best_y
+
+
+def _beyond(coordinate: Array, half: Array) -> Array:
+    """Return the signed part of a coordinate that lies beyond ``[-half, half]``."""
+    return coordinate - np.minimum(np.maximum(coordinate, -half), half)
+
+
+def _face_normals(placement: Placement, face: Index) -> Array:
+    """Return unit vectors along some face normals of :func:`plan_overlaps`, towards the figure, (3, k)."""
+    back = placement.reversed()
+    zero = np.zeros_like(placement.x)
+    sign_x, sign_y = np.copysign(1.0, placement.x), np.copysign(1.0, placement.y)
+    own_x, own_y = np.copysign(1.0, -back.x), np.copysign(1.0, -back.y)
+    return np.stack(
+        [
+            np.choose(face, [sign_x, zero, own_x * placement.cos, -own_y * placement.sin]),
+            np.choose(face, [zero, sign_y, own_x * placement.sin, own_y * placement.cos]),
+            zero,
+        ]
+    )
 
 
 def protrusion(placement: Placement, half_a: Array, half_b: Array) -> Array:

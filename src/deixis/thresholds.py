@@ -10,7 +10,7 @@ from typing import Final
 from deixis.errors import ThresholdError
 
 MAX_COORDINATE: Final = 1.0e7
-"""Largest coordinate accepted, metres: beyond it float64 no longer resolves a nanometre-sized detail."""
+"""Largest coordinate accepted, metres: up to it float64 resolves two nanometres."""
 
 SNAP: Final = 1.0e-9
 """Measured lengths are rounded to this, metres, so that rounding noise never decides a closed bound."""
@@ -21,7 +21,7 @@ SNAP_DECIMALS: Final = 9
 
 @dataclass(frozen=True, slots=True)
 class Thresholds:
-    """The thresholds a scene is read with (decision 0006).
+    """The thresholds a scene is read with (decisions 0001, 0004, 0009).
 
     Parameters
     ----------

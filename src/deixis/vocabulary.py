@@ -28,8 +28,8 @@ class Term:
     rdf : str
         Local name of the RDF property.
     kind : {"measure", "base", "relation"}
-        A measured quantity; a relation for both orders of a pair; a relation people speak in, drawn in
-        figure-reference order.
+        A measured quantity; a relation that others are made of, for both orders of a pair (the horizontal
+        cardinal ones in figure-reference order only); a relation people speak in, in that order too.
     view : bool
         Whether it depends on where one stands; then the last argument is the view.
     """

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from deixis import __version__
-from deixis.cli.output import Format, printable, records, write_csv, write_json, write_table
+from deixis.cli.output import Format, printable, printable_lines, records, write_csv, write_json, write_table
 
 app = typer.Typer(
     name="deixis",
@@ -22,7 +22,9 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-ScenePath = Annotated[Path, typer.Argument(help="A scene file (see `deixis import` for other formats).")]
+ScenePath = Annotated[
+    Path, typer.Argument(metavar="SCENE", help="A scene file (see `deixis import` for other formats).")
+]
 Seconds = Annotated[float, typer.Option("--timeout", min=0.001, help="Seconds before giving up.")]
 
 RELATION_COLUMNS = ("relation", "figure", "reference", "view", "margin")
@@ -122,7 +124,7 @@ def facts(
 @app.command()
 def ask(
     scene: ScenePath,
-    goal: Annotated[str, typer.Argument(help="A Prolog goal, e.g. 'on_top_of(X, table)'.")],
+    goal: Annotated[str, typer.Argument(metavar="GOAL", help="A Prolog goal, e.g. 'on_top_of(X, table)'.")],
     output: Annotated[
         TextOrJson, typer.Option("--format", help="How to print the answers.")
     ] = TextOrJson.TEXT,
@@ -131,7 +133,7 @@ def ask(
 ) -> None:
     """Answer a question; exit code 0 when there is an answer, 1 when there is none."""
     from deixis.knowledge import KnowledgeBase
-    from deixis.prolog.show import term_json, term_text
+    from deixis.prolog import Variable, term_json, term_text
 
     with KnowledgeBase.from_scene(scene) as kb:
         answers = kb.ask(goal, limit=limit, timeout=timeout)
@@ -143,11 +145,15 @@ def ask(
                     {name: term_json(value) for name, value in row.items()} for row in answers.bindings
                 ],
                 "truncated": answers.truncated,
+                "output": answers.output,
             }
         )
     else:
+        if answers.output:
+            print(printable_lines(answers.output.removesuffix("\n")))
         for row in answers.bindings:
-            print(", ".join(f"{name} = {term_text(value)}" for name, value in row.items()) or "true")
+            known = {name: value for name, value in row.items() if value != Variable(name)}
+            print(", ".join(f"{name} = {term_text(value)}" for name, value in known.items()) or "true")
         if not answers.bindings:
             print("false")
     if answers.truncated:
@@ -159,7 +165,7 @@ def ask(
 @app.command()
 def why(
     scene: ScenePath,
-    goal: Annotated[str, typer.Argument(help="A relation, e.g. 'leans_on(ladder, wall)'.")],
+    goal: Annotated[str, typer.Argument(metavar="GOAL", help="A relation, e.g. 'leans_on(ladder, wall)'.")],
     output: Annotated[TextOrJson, typer.Option("--format", help="How to print the proof.")] = TextOrJson.TEXT,
     timeout: Seconds = 10.0,
 ) -> None:
@@ -171,9 +177,9 @@ def why(
     if output is TextOrJson.JSON:
         write_json({"goal": goal, **answer.to_dict()})
     elif answer.proof is not None:
-        print(answer.proof.outline())
+        print(printable_lines(answer.proof.outline()))
     else:
-        print(f"No: {answer.text}.")
+        print(f"No: {printable(answer.text)}.")
     if answer.proof is None:
         raise typer.Exit(1)
 
@@ -186,7 +192,7 @@ def shell(scene: ScenePath) -> None:
 
     kb = KnowledgeBase.from_scene(scene)
     _warn(kb.scene.diagnostics)
-    exec_shell(theory_files(), kb.facts_text())
+    exec_shell(theory_files(), kb.facts_text(readable=False))
 
 
 @app.command(name="import")
@@ -194,8 +200,12 @@ def import_(
     name: Annotated[
         str, typer.Argument(metavar="FORMAT", help="deixis, ithor, virtualhome, or an added one.")
     ],
-    path: Annotated[str, typer.Argument(help="The file; for several scenes in one, FILE#SCENE.")],
-    target: Annotated[Path, typer.Option("-o", "--output", help="Where to write the scene.")],
+    path: Annotated[
+        str, typer.Argument(metavar="FILE", help="The file; for several scenes in one, FILE#SCENE.")
+    ],
+    target: Annotated[
+        Path, typer.Option("-o", "--output", metavar="SCENE", help="Where to write the scene.")
+    ],
 ) -> None:
     """Convert a scene of another format to a scene file."""
     from deixis.readers import read_one

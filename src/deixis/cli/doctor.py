@@ -35,8 +35,7 @@ def _prolog() -> str:
     from deixis.prolog.find import find_prolog
 
     found = find_prolog()
-    version = ".".join(map(str, found.version)) if found.version else "of unknown version"
-    return f"SWI-Prolog {version}, {found.library}"
+    return f"SWI-Prolog {'.'.join(map(str, found.version))}, {found.library}"
 
 
 def _files() -> str:

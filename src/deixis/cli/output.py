@@ -55,8 +55,14 @@ def printable(value: object) -> str:
         return ""
     if isinstance(value, float):
         return f"{value:.3f}"
-    text = str(value)
-    return text if text.isprintable() else text.encode("unicode_escape").decode("ascii")
+    return "".join(
+        one if one.isprintable() else one.encode("unicode_escape").decode("ascii") for one in str(value)
+    )
+
+
+def printable_lines(value: object) -> str:
+    """Return a text of several lines with nothing in it that a terminal would obey but their ends."""
+    return "\n".join(map(printable, str(value).split("\n")))
 
 
 def records(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> list[list[Any]]:

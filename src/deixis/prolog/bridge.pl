@@ -167,10 +167,18 @@ described(error(syntax_error(What), Context), syntax, Message, [position = Posit
     ->  true
     ;   Position = null
     ).
+described(error(resource_error(c_stack), _), query, "a term is nested too deeply", []).
 described(error(resource_error(_), _), memory, "more memory is needed than the engine may use", []).
+described(error(representation_error(code_point), _), query,
+          "an answer holds a code that is no Unicode character", []).
 described(error(existence_error(procedure, Called), _), rules, "a rule calls what no rule file defines",
           [complaints = [Complaint]]) :-
-    format(string(Complaint), "~q is not defined", [Called]).
+    strip_module(Called, _, Goal),
+    (   Goal = Name/Arity                       % safe_goal/1 gives the goal itself
+    ->  true
+    ;   functor(Goal, Name, Arity)
+    ),
+    format(string(Complaint), "~q is not defined", [Name/Arity]).
 described(error(permission_error(Action, Type, Culprit), _), permission, Message, []) :-
     format(string(Message), "the question leads to ~q, which is not allowed (~w ~w)",
            [Culprit, Action, Type]).

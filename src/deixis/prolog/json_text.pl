@@ -23,6 +23,10 @@ json_text(Reply, Text) :-
     with_output_to(string(Text), json(Reply, Levels)).
 
 json(Value, _) :-
+    var(Value),
+    !,
+    throw(bridge(query, "an unbound variable has no JSON text", [])).
+json(Value, _) :-
     integer(Value),
     !,
     write(Value).
@@ -99,6 +103,11 @@ inner(Levels, Inner) :-
                  *            TERMS             *
                  *******************************/
 
+typed(Term, _) :-
+    var(Term),
+    !,
+    format(string(Name), "~w", [Term]),
+    tagged(v, Name).
 typed('$variable'(Name), _) :-
     !,
     tagged(v, Name).
@@ -172,15 +181,19 @@ tagged(Tag, Text) :-
 
 quoted(Text) :-
     put_char('"'),
-    (   escaped_characters(Escaped),
-        split_string(Text, Escaped, "", [Whole]),
-        string_length(Text, Length),
-        string_length(Whole, Length)    % 9.0.4 drops a NUL at the end without splitting there
+    (   plain(Text)
     ->  write(Text)
     ;   string_codes(Text, Codes),
         escape(Codes)
     ),
     put_char('"').
+
+%   A NUL would end the list of separators in 9.0.4, so it is looked for by itself.
+
+plain(Text) :-
+    escaped_characters(Escaped),
+    split_string(Text, Escaped, "", [_]),
+    \+ sub_string(Text, _, _, _, "\x0\").
 
 escape([]).
 escape([Code|Codes]) :-
@@ -193,4 +206,5 @@ escape([Code|Codes]) :-
     ),
     escape(Codes).
 
-escaped_characters("\"\\\x0\\x1\\x2\\x3\\x4\\x5\\x6\\x7\\x8\\x9\\xa\\xb\\xc\\xd\\xe\\xf\\x10\\x11\\x12\\x13\\x14\\x15\\x16\\x17\\x18\\x19\\x1a\\x1b\\x1c\\x1d\\x1e\\x1f\").
+escaped_characters("\"\\\x1\\x2\\x3\\x4\\x5\\x6\\x7\\x8\\x9\\xa\\xb\\xc\\xd\\xe\\xf\\c
+                    \x10\\x11\\x12\\x13\\x14\\x15\\x16\\x17\\x18\\x19\\x1a\\x1b\\x1c\\x1d\\x1e\\x1f\").

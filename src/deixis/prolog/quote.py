@@ -1,7 +1,8 @@
 r"""Python values as Prolog text that reads back as the same value, whatever its characters.
 
 The one rule for text: between quotes, every character that is not a letter, a digit or harmless ASCII
-punctuation is written as ``\xHH\``. There is no other way from an id to Prolog text in this package.
+punctuation is written as ``\xHH\`` or ``\UHHHHHHHH``. There is no other way from an id to Prolog text
+in this package.
 """
 
 from __future__ import annotations
@@ -115,4 +116,5 @@ def _escape(found: re.Match[str]) -> str:
     code = ord(found[0])
     if 0xD800 <= code <= 0xDFFF:
         raise QueryError(f"the text {found.string!r} holds half a surrogate pair: give whole characters")
-    return f"\\x{code:x}\\"
+    # 9.0.4 takes \xd8000\, read digit by digit, for half a surrogate pair.
+    return f"\\x{code:x}\\" if code <= 0xFFFF else f"\\U{code:08x}"

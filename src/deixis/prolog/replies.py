@@ -37,10 +37,7 @@ def result(reply: bytes, question: str = "") -> Any:
     >>> result(b'{"ok": 3}')
     3
     """
-    try:
-        told: dict[str, Any] = json.loads(reply.decode())
-    except UnicodeDecodeError:
-        raise QueryError("an answer holds a character code that is no Unicode character") from None
+    told: dict[str, Any] = json.loads(reply)
     if "ok" in told:
         return told["ok"]
     raise _error(told, question)
@@ -69,6 +66,8 @@ def _mark(question: str, position: int | None) -> str:
     if position is None or not question:
         return ""
     position = min(position, len(question))
+    # Reading stops where a token ends: what comes next is what was not understood.
+    position += len(question[position:]) - len(question[position:].lstrip())
     start = question.rfind("\n", 0, position) + 1
     line = question[start:].split("\n", 1)[0]
     if len(line) > _WIDEST:

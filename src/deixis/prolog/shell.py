@@ -35,7 +35,7 @@ def exec_shell(rule_files: Sequence[Path], facts: str) -> NoReturn:
         )
     handle, name = tempfile.mkstemp(prefix="deixis-", suffix=".facts")
     with os.fdopen(handle, "w", encoding="utf-8") as file:
-        file.write(facts)
+        file.write(f"{facts}.\n")
     sys.stdout.flush()
     sys.stderr.flush()
     arguments = ["-q", "-f", "none", "-g", "shell:start", str(rules_dir() / "shell.pl")]

@@ -59,7 +59,6 @@ def start_prolog(library: str, home: str, memory: int) -> None:
         "-f",
         "none",
         "--no-packs",
-        "--no-signals",
         "--no-tty",
         f"--stack-limit={memory // 2}b",
         f"--table-space={memory // 4}b",
