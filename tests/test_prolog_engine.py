@@ -216,9 +216,11 @@ def test_an_answer_that_depends_on_its_own_negation(prolog: PrologEngine) -> Non
 
 
 def test_steps_can_be_limited(prolog: PrologEngine) -> None:
+    before = pid(prolog)
     with pytest.raises(QueryTimeout, match="more than 10,000 steps"):
         prolog.ask("between(1, inf, X), X < 0", inferences=10_000, timeout=None)
     assert prolog.ask("on(X, _)", inferences=10_000, limit=1).truncated
+    assert pid(prolog) != before  # the limit may have struck while a library was loading
 
 
 # ---------------------------------------------------------------------------------- relations, operations

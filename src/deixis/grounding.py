@@ -55,15 +55,14 @@ def ground(scene: Scene, *, max_pairs: int = MAX_PAIRS) -> Facts:
     ()
     """
     boxes, limits = scene.boxes, scene.thresholds
-    volume = boxes.volume(limits.granularity)
     figure, reference = candidate_rows(boxes, limits, max_pairs)
-    pairs = _measure(boxes, figure, reference, volume, limits)
+    pairs = _measure(boxes, figure, reference, limits)
     facts = Facts(
         scene=scene.id,
         ids=tuple(thing.id for thing in scene.objects),
         labels=tuple(tuple((label.name, label.score) for label in thing.labels) for thing in scene.objects),
         surface=boxes.surface,
-        volume=volume,
+        volume=boxes.volume(limits.granularity),
         thresholds=limits,
         pairs=pairs,
         views=(),
@@ -112,30 +111,27 @@ def _in_blocks(count: int, work: Callable[[slice], None]) -> None:
             pass
 
 
-def _measure(boxes: Boxes, figure: Index, reference: Index, volume: Array, limits: Thresholds) -> PairColumns:
+def _measure(boxes: Boxes, figure: Index, reference: Index, limits: Thresholds) -> PairColumns:
     """Measure the candidates and keep those within reach."""
     columns = PairColumns.empty(figure, reference)
     keep = np.empty(len(figure), dtype=np.bool_)
-    limit = reach(boxes, limits)
+    d = limits.granularity
 
     def work(block: slice) -> None:
-        i, j = figure[block], reference[block]
-        _measure_block(boxes, i, j, limits, columns, block)
-        ordered = ~boxes.surface[i] & (boxes.surface[j] | (volume[j] >= volume[i] * (1.0 - ORDER_TOLERANCE)))
+        a, b = boxes.take(figure[block]), boxes.take(reference[block])
+        _measure_block(a, b, limits, columns, block)
+        ordered = ~a.surface & (b.surface | (b.volume(d) >= a.volume(d) * (1.0 - ORDER_TOLERANCE)))
         columns.ordered[block] = ordered
         apart = columns.separation[block]
-        keep[block] = (apart <= limits.closeness) | (ordered & (apart <= limit[j]))
+        keep[block] = (apart <= limits.closeness) | (ordered & (apart <= reach(b, limits)))
 
     _in_blocks(len(figure), work)
     return columns.where(keep)
 
 
-def _measure_block(
-    boxes: Boxes, i: Index, j: Index, limits: Thresholds, columns: PairColumns, block: slice
-) -> None:
-    """Fill in the view-independent columns of some rows."""
+def _measure_block(a: Boxes, b: Boxes, limits: Thresholds, columns: PairColumns, block: slice) -> None:
+    """Fill in the view-independent columns of some rows, with figures a and references b."""
     d = limits.granularity
-    a, b = boxes.take(i), boxes.take(j)
     there = measures.place(a, b)
     up, down = measures.vertical_escapes(there, a.half, b.half, a.surface, b.surface, d)
     signed, local = measures.separation(there, a.half, b.half, up, down)
@@ -144,7 +140,7 @@ def _measure_block(
     columns.normal[block, 0] = b.cos * local[:, 0] - b.sin * local[:, 1]
     columns.normal[block, 1] = b.sin * local[:, 0] + b.cos * local[:, 1]
     columns.normal[block, 2] = local[:, 2]
-    shared, frontier = np.zeros(len(i)), np.zeros(len(i))
+    shared, frontier = np.zeros(len(a)), np.zeros(len(a))
     deep = np.flatnonzero(signed < 0.0)
     if len(deep):
         pair, back = there.take(deep), there.reversed().take(deep)

@@ -158,6 +158,7 @@ class KnowledgeBase:
         if self._engine is None:
             from deixis.prolog import PrologEngine
 
+            # Starting does not wait: Prolog comes up while the geometry is grounded.
             engine = PrologEngine([*theory_files(), *self._rules])
             try:
                 engine.load(self.facts_text(readable=False))

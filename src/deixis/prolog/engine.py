@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import threading
 import time
 from collections.abc import Mapping, Sequence
@@ -15,7 +16,7 @@ from deixis.errors import EngineError, QueryError, QueryTimeout, RuleError
 from deixis.prolog.child import Child
 from deixis.prolog.find import find_prolog, find_pyswip
 from deixis.prolog.quote import atom, string, term
-from deixis.prolog.replies import result
+from deixis.prolog.replies import result, spoils
 from deixis.prolog.terms import Term, decode
 
 MEMORY: Final = 2 << 30
@@ -245,12 +246,12 @@ class PrologEngine:
         with self._lock:
             child = self._ready()
             try:
-                reply = self._exchange(child, request, timeout)
+                told = self._exchange(child, request, timeout)
             except TimeoutError:
                 raise QueryTimeout(
                     f"no answer within {timeout:g} s: ask something narrower, or allow more time"
                 ) from None
-        return result(reply, question)
+        return result(told, question)
 
     def _ready(self) -> Child:
         """Return a child that has the rules and the facts."""
@@ -281,7 +282,7 @@ class PrologEngine:
     def _greet(self, child: Child) -> None:
         """Wait until the rules are loaded."""
         try:
-            result(child.receive(time.monotonic() + _START_WITHIN))
+            result(json.loads(child.receive(time.monotonic() + _START_WITHIN)))
         except TimeoutError:
             raise EngineError(f"the rules did not load within {_START_WITHIN:g} s") from None
 
@@ -293,20 +294,21 @@ class PrologEngine:
         except QueryError as error:
             raise EngineError(f"the facts cannot be loaded: {error}") from error
 
-    def _exchange(self, child: Child, request: str, timeout: float | None) -> bytes:
+    def _exchange(self, child: Child, request: str, timeout: float | None) -> dict[str, Any]:
         """Return the reply to one request; whatever prevents it, a signal too, costs the child."""
         deadline = None if timeout is None else time.monotonic() + timeout
         with ExitStack() as on_trouble:
             on_trouble.callback(self._drop)
             try:
                 child.send(request, deadline)
-                reply = child.receive(deadline)
+                told: dict[str, Any] = json.loads(child.receive(deadline))
             except EngineError:
                 if self._closed:
                     raise EngineError("the engine was closed before it could answer") from None
                 raise
-            on_trouble.pop_all()
-        return reply
+            if not spoils(told):
+                on_trouble.pop_all()
+        return told
 
     def _drop(self) -> None:
         if self._child is not None:

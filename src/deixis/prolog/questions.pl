@@ -12,6 +12,7 @@ Questions are read and called in module `question`, into which the rule files ar
           ]).
 :- use_module(library(apply), [maplist/2]).
 :- use_module(library(lists), [append/3]).
+:- use_module(library(wfs), [call_delays/2]).
 :- autoload(library(sandbox), [safe_goal/1]).   % 35 ms: loaded by the first question
 
 :- dynamic vocabulary/2.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Mapping
 from typing import Any, Final
 
 from deixis.errors import DeixisError, EngineError, QueryError, QueryTimeout, RuleError
@@ -11,13 +11,26 @@ _PROPOSALS: Final = 3
 _WIDEST: Final = 200
 
 
-def result(reply: bytes, question: str = "") -> Any:
-    """Return the decoded result of a reply.
+def spoils(told: Mapping[str, Any]) -> bool:
+    """Return whether Prolog was stopped in the midst of something that it may not be able to resume.
+
+    A limit can strike while a library is being loaded, which then stays half loaded.
+
+    Examples
+    --------
+    >>> spoils({"error": "memory", "message": "..."})
+    True
+    """
+    return told.get("error") in ("memory", "inferences")
+
+
+def result(told: Mapping[str, Any], question: str = "") -> Any:
+    """Return the result of a reply.
 
     Parameters
     ----------
-    reply : bytes
-        JSON text of the bridge.
+    told : mapping
+        The reply, decoded.
     question : str
         What was asked, to show where its syntax is wrong.
 
@@ -34,16 +47,15 @@ def result(reply: bytes, question: str = "") -> Any:
 
     Examples
     --------
-    >>> result(b'{"ok": 3}')
+    >>> result({"ok": 3})
     3
     """
-    told: dict[str, Any] = json.loads(reply)
     if "ok" in told:
         return told["ok"]
     raise _error(told, question)
 
 
-def _error(told: dict[str, Any], question: str) -> DeixisError:
+def _error(told: Mapping[str, Any], question: str) -> DeixisError:
     message = str(told["message"])
     match told["error"]:
         case "syntax":

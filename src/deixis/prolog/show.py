@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
-from typing import Any
+from typing import Any, Final
 
-from deixis.prolog.quote import atom, string
+from deixis.prolog.quote import atom, number, string
 from deixis.prolog.terms import Atom, Compound, Term, Variable
+
+_SAFE_INTEGER: Final = 2**53
 
 
 def term_text(term: Term) -> str:
@@ -30,8 +33,10 @@ def term_text(term: Term) -> str:
             return f"{_bare(term.functor)}({','.join(map(term_text, term.args))})"
         case list():
             return f"[{','.join(map(term_text, term))}]"
-        case _:
-            return str(term)
+        case int():
+            return number(term)
+        case float():
+            return repr(term)
 
 
 def _bare(name: str) -> str:
@@ -59,5 +64,11 @@ def term_json(term: Term) -> Any:
             return [term_json(one) for one in term]
         case str():
             return str(term)
+        case float() if not math.isfinite(term):
+            # JSON has no such numbers.
+            return str(term)
+        case int() if abs(term) > _SAFE_INTEGER:
+            # Most readers of JSON take numbers for float64.
+            return number(term)
         case _:
             return term

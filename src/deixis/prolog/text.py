@@ -51,8 +51,8 @@ def facts_text(facts: Facts, views: Sequence[tuple[str, str]] = (), *, readable:
     >>> from deixis.grounding import ground
     >>> from deixis.scene import Scene
     >>> facts = ground(Scene.from_dict({"deixis": 1, "id": "empty", "objects": [], "views": []}))
-    >>> print(facts_text(facts, [("v0", "robot")], readable=True).splitlines()[0])
-    [view_label('v0','robot'),
+    >>> print(facts_text(facts, [("v0", "robot")], readable=True).splitlines()[-1])
+    view_label('v0','robot').
     """
     table = _Table(facts, [atom(name) for name in facts.ids], readable)
     chunks: list[str] = []

@@ -1,0 +1,64 @@
+"""Notebooks are stored without outputs and run from top to bottom without a warning."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+NOTEBOOKS = sorted((Path(__file__).resolve().parent.parent / "notebooks").glob("*.ipynb"))
+
+SECONDS = 20.0
+
+PROMISED = {
+    "00_hello_scene": [
+        "on_top_of(sweater, heater): 2.0 cm to spare",
+        "the fire extinguisher (extinguisher2) leans on the wall  [axiom 37]",
+        "yes: the fire extinguisher (extinguisher2) is left of the radiator as seen from the robot",
+        "no more: {('on_top_of', 'sweater', 'heater', '')}",
+        "new:     nothing",
+    ]
+}
+"""What each notebook prints, among other things."""
+
+
+def load(path: Path) -> Any:
+    notebook = nbformat.read(path, as_version=nbformat.NO_CONVERT)
+    nbformat.validate(notebook)
+    return notebook
+
+
+def printed(notebook: Any) -> str:
+    """Return all that the cells printed."""
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    assert {output.get("name", "stdout") for output in outputs} <= {"stdout"}
+    return "".join(output.get("text", "") for output in outputs)
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_no_output_is_stored(path: Path) -> None:
+    for cell in load(path).cells:
+        assert not cell.get("outputs")
+        assert cell.get("execution_count") is None
+        assert not cell.metadata
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_it_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path))
+    notebook = load(path)
+    # Not stored with it: in the test, a warning in any cell is an error.
+    strict = "import warnings\nwarnings.simplefilter('error')"
+    notebook.cells.insert(0, nbformat.v4.new_code_cell(strict))
+    start = time.monotonic()
+    client = NotebookClient(
+        notebook, timeout=SECONDS, kernel_name="python3", resources={"metadata": {"path": str(path.parent)}}
+    )
+    client.execute()
+    assert time.monotonic() - start < SECONDS
+    text = printed(notebook)
+    assert [words for words in PROMISED[path.stem] if words not in text] == []

@@ -1,0 +1,95 @@
+"""The README is true: its commands and examples give the output it prints, its links lead somewhere.
+
+The text block after a command is that command's output; ``...`` in it stands for anything. Where the output has
+changed for a good reason, ``DEIXIS_BLESS=1 pytest tests/test_readme.py`` writes the blocks without ``...`` anew.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from commands import run
+from deixis import Scene
+from deixis.cli.commands import app
+from draw import PICTURE, SCENE, figure_3
+from readme import README, blocks, check, shown_after
+
+
+@pytest.mark.parametrize("number", range(len(blocks("sh"))))
+def test_commands_print_what_the_readme_shows(number: int, root: Path) -> None:
+    block = blocks("sh")[number]
+    printed = ""
+    for line in block["text"].splitlines():
+        words = shlex.split(line, comments=True)
+        if words == ["make", "demo"]:
+            words = ["deixis", "demo"]
+        if words[0] == "make":
+            assert re.search(rf"^{words[1]}:", (root / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+            continue
+        assert words[0] == "deixis"
+        result = run(*words[1:], cwd=root)
+        assert result.code in (0, 1), result.err
+        printed += result.out
+    check(shown_after(block), printed)
+
+
+def test_python_prints_what_the_readme_shows(root: Path) -> None:
+    (block,) = blocks("python")
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", block["text"]],
+        cwd=root,
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    check(shown_after(block), done.stdout)
+
+
+def test_prolog_answers_what_the_readme_shows(root: Path) -> None:
+    (rule,) = blocks("prolog")
+    assert f"\n{rule['text']}\n" in (root / "rules" / "commonsense.pl").read_text(encoding="utf-8")
+    command, *dialogue = shown_after(rule)["text"].splitlines()
+    # At a terminal, ; asks for the next answer; in a pipe it is a line of its own and not echoed.
+    typed, answers = "", []
+    for line in dialogue:
+        if line.startswith("?- "):
+            typed += line.removeprefix("?- ") + "\n"
+        else:
+            typed += ";\n" if line.endswith(" ;") else ""
+            answers.append(line.removesuffix(" ;"))
+    result = run(*shlex.split(command.removeprefix("$ deixis ")), stdin=typed, cwd=root)
+    assert (result.code, result.err) == (0, "")
+    printed = result.out
+    for answer in answers:
+        before, found, printed = printed.partition(answer)
+        assert found, f"{answer!r} is not in {before!r}"
+
+
+def test_the_table_of_commands_is_complete() -> None:
+    table = dict(re.findall(r"^\| `deixis (\w+)(.*) \|$", README.read_text(encoding="utf-8"), re.MULTILINE))
+    commands = {command.name or command.callback.__name__ for command in app.registered_commands}
+    assert table.keys() == commands
+    for command, row in table.items():
+        options = re.findall(r"--[a-z]+", row)
+        shown = run(command, "-h").out if options else ""
+        assert [option for option in options if option not in shown] == []
+
+
+def test_links_lead_somewhere(root: Path) -> None:
+    links = re.findall(r"\]\(([^)]+)\)", README.read_text(encoding="utf-8"))
+    assert [link for link in links if not link.startswith("https://") and not (root / link).exists()] == []
+
+
+def test_the_picture_is_drawn_from_the_scene() -> None:
+    drawn = figure_3(Scene.load(SCENE))
+    assert PICTURE.read_text(encoding="utf-8") == drawn, "draw it anew: python tests/draw.py"
+    assert len(drawn.encode()) < 15_000
+    assert "http" not in drawn.replace("http://www.w3.org/2000/svg", "")
