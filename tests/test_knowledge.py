@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -23,7 +24,7 @@ CUP_ON_TABLE = scene(
 
 
 @pytest.fixture(scope="module")
-def kb(root: Path) -> KnowledgeBase:
+def kb(root: Path) -> Iterator[KnowledgeBase]:
     with KnowledgeBase.from_scene(root / "kb" / "scenes" / "hans.json") as running:
         yield running
 
@@ -52,7 +53,7 @@ def test_facts_need_no_prolog(monkeypatch: pytest.MonkeyPatch) -> None:
     kb = KnowledgeBase(CUP_ON_TABLE)
     assert kb.facts.ids == ("floor", "table", "cup")
     assert kb.facts is kb.facts
-    assert kb.withheld[0].to_dict()["reference"] == "floor"
+    assert kb.withheld == ()
     assert "figure_reference('cup','table')" in kb.facts_text()
     kb.close()
 
@@ -71,23 +72,18 @@ def test_prolog_ends_with_the_block_and_may_begin_anew() -> None:
 
 
 def test_prolog_ends_with_the_block_that_fails() -> None:
-    with pytest.raises(QueryError), KnowledgeBase(CUP_ON_TABLE) as kb:
-        engine = kb.engine
+    kb = KnowledgeBase(CUP_ON_TABLE)
+    engine = kb.engine
+    with pytest.raises(QueryError), kb:
         kb.ask("on_top_of(cup")
     with pytest.raises(EngineError, match="closed"):
         engine.ask("true")
 
 
 def test_several_at_once_do_not_mix() -> None:
-    worlds = [
-        scene(
-            floor(),
-            box("shelf", (0, 0, 0.5), (1, 1, 1)),
-            *(box(f"book{k}", (k / 9, 0, 1.1), (0.05, 0.1, 0.2)),),
-        )
-        for k in range(3)
-    ]
-    bases = [KnowledgeBase(one) for one in worlds]
+    shelf = box("shelf", (0, 0, 0.5), (1, 1, 1))
+    books = [box(f"book{number}", (0, 0, 1.1), (0.05, 0.1, 0.2)) for number in range(3)]
+    bases = [KnowledgeBase(scene(floor(), shelf, book)) for book in books]
     try:
         for _ in range(2):
             for number, kb in enumerate(bases):
@@ -158,12 +154,10 @@ def test_a_relation_can_be_passed_on(kb: KnowledgeBase) -> None:
 
 def test_margins_are_metres_to_the_edge(kb: KnowledgeBase) -> None:
     """A cup hovering over a table touches it up to D = 2 cm, so what is left of D is the margin."""
+    table = box("table", (0, 0, 0.36), (1.2, 0.8, 0.72))
     for gap in (0.0, 0.004, 0.0155):
-        hovering = scene(
-            box("table", (0, 0, 0.36), (1.2, 0.8, 0.72)),
-            box("cup", (0.2, 0.1, 0.77 + gap), (0.08, 0.08, 0.1)),
-        )
-        with KnowledgeBase(hovering) as other:
+        cup = box("cup", (0.2, 0.1, 0.77 + gap), (0.08, 0.08, 0.1))
+        with KnowledgeBase(scene(table, cup)) as other:
             (found,) = other.relations(relation=["on_top_of"])
         assert found.margin == pytest.approx(0.02 - gap, abs=1e-9)
     assert all(one.margin is not None and one.margin >= 0.0 for one in kb.relations())
@@ -219,7 +213,7 @@ def test_unknown_names_are_refused_with_what_may_be_meant(kb: KnowledgeBase) -> 
 
 
 def test_a_time_out_leaves_the_knowledge_base_usable(kb: KnowledgeBase) -> None:
-    with pytest.raises(QueryTimeout, match="no answer within 0.1 s"):
+    with pytest.raises(QueryTimeout, match=r"no answer within 0\.1 s"):
         kb.ask("between(1, inf, X), X < 0", timeout=0.1)
     assert kb.ask("on_top_of(sweater, heater)")
 

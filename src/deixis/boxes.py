@@ -77,6 +77,10 @@ class Boxes:
         some.__dict__["cos"], some.__dict__["sin"] = columns[6], columns[7]
         return some
 
+    def differs(self, other: Boxes) -> Mask:
+        """Return which of as many other boxes are not the same, (n,)."""
+        return np.asarray((self._record != other._record).any(axis=1))
+
     def effective_half(self, granularity: float) -> Array:
         """Return half extents, none below half the granularity: no region is thinner than D. Shape (n, 3)."""
         return np.maximum(self.half, 0.5 * granularity)

@@ -74,11 +74,7 @@ def candidate_rows(boxes: Boxes, limits: Thresholds, max_pairs: int = MAX_PAIRS)
     [[0, 1], [1, 0]]
     """
     n = len(boxes)
-    half = boxes.effective_half(limits.granularity)
-    cos, sin = np.abs(np.cos(boxes.yaw)), np.abs(np.sin(boxes.yaw))
-    around = np.stack(
-        [half[:, 0] * cos + half[:, 1] * sin, half[:, 0] * sin + half[:, 1] * cos, half[:, 2]], axis=1
-    )
+    around = _around(boxes, limits)
     limit = reach(boxes, limits)
     if n <= _SMALL:
         i, j = np.triu_indices(n, 1)
@@ -93,6 +89,28 @@ def candidate_rows(boxes: Boxes, limits: Thresholds, max_pairs: int = MAX_PAIRS)
         )
     keys = np.sort(np.concatenate([i * n + j, j * n + i]))
     return keys // n, keys % n
+
+
+def candidates_of(boxes: Boxes, limits: Thresholds, some: Index) -> tuple[Index, Index]:
+    """Return those of :func:`candidate_rows` in which at least one of some things takes part."""
+    n = len(boxes)
+    around = _around(boxes, limits)
+    limit = reach(boxes, limits)
+    i = np.repeat(some, n)
+    j = np.tile(np.arange(n), len(some))
+    near = (i != j) & (_gap_squared(boxes.center, around, i, j) <= np.maximum(limit[i], limit[j]) ** 2)
+    i, j = i[near], j[near]
+    keys = np.unique(np.concatenate([i * n + j, j * n + i]))
+    return keys // n, keys % n
+
+
+def _around(boxes: Boxes, limits: Thresholds) -> Array:
+    """Return the half extents of axis-aligned boxes around boxes, metres, (n, 3)."""
+    half = boxes.effective_half(limits.granularity)
+    cos, sin = np.abs(boxes.cos), np.abs(boxes.sin)
+    return np.stack(
+        [half[:, 0] * cos + half[:, 1] * sin, half[:, 0] * sin + half[:, 1] * cos, half[:, 2]], axis=1
+    )
 
 
 def _gap_squared(center: Array, around: Array, i: Index, j: Index) -> Array:

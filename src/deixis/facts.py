@@ -103,9 +103,16 @@ class PairColumns:
 
     def where(self, keep: Mask) -> PairColumns:
         """Return the rows to keep."""
-        if keep.all():
-            return self
-        return PairColumns(*(getattr(self, name)[keep] for name in self.__slots__))
+        return self if keep.all() else self.at(np.flatnonzero(keep))
+
+    def at(self, rows: Index) -> PairColumns:
+        """Return the rows at the given positions."""
+        return PairColumns(*(getattr(self, name)[rows] for name in self.__slots__))
+
+    def joined(self, more: PairColumns) -> PairColumns:
+        """Return these rows followed by more."""
+        columns = ((getattr(self, name), getattr(more, name)) for name in self.__slots__)
+        return PairColumns(*(np.concatenate(both) for both in columns))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from deixis import halfspaces, measures
 from deixis.boxes import Boxes, align_with_world, contextualise
 from deixis.broadphase import MAX_PAIRS, WORKERS, candidate_rows, reach
 from deixis.facts import Facts, PairColumns, ViewFacts
-from deixis.frames import WORLD, Array, Index
+from deixis.frames import WORLD, Array, Index, Mask
 from deixis.scene import Scene, View
 from deixis.thresholds import SNAP, SNAP_DECIMALS, Thresholds
 
@@ -56,7 +56,7 @@ def ground(scene: Scene, *, max_pairs: int = MAX_PAIRS) -> Facts:
     """
     boxes, limits = scene.boxes, scene.thresholds
     figure, reference = candidate_rows(boxes, limits, max_pairs)
-    pairs = _measure(boxes, figure, reference, limits)
+    pairs = measure_pairs(boxes, figure, reference, limits)
     facts = Facts(
         scene=scene.id,
         ids=tuple(thing.id for thing in scene.objects),
@@ -85,13 +85,25 @@ def look(scene: Scene, facts: Facts, view: View) -> ViewFacts:
     view : View
         Any pose.
     """
-    framed, clearance, tie = contextualise(scene.boxes, view.position)
-    seen = clearance > SNAP
+    framed, seen, tie = frame(scene.boxes, view)
     rows = np.flatnonzero(facts.ordered & seen[facts.reference])
-    relaxed, strict = _horizontal(scene.boxes, framed, facts, rows)
-    wall = np.isin(scene.boxes.normal, (0, 1))
+    relaxed, strict = meets_halfspaces(scene.boxes, framed, facts, rows)
+    return view_facts(view.id, scene.boxes, rows, relaxed, strict, seen, tie)
+
+
+def frame(boxes: Boxes, view: View) -> tuple[Boxes, Mask, Mask]:
+    """Return the contextualised boxes of a view, which of them it can speak of, and which were a tie."""
+    framed, clearance, tie = contextualise(boxes, view.position)
+    return framed, clearance > SNAP, tie
+
+
+def view_facts(
+    name: str, boxes: Boxes, rows: Index, relaxed: Array, strict: Array, seen: Mask, tie: Mask
+) -> ViewFacts:
+    """Return the facts of a view, with the reasons for what it does not speak of."""
+    wall = np.isin(boxes.normal, (0, 1))
     withheld = tuple((int(index), _reason(bool(wall[index]))) for index in np.flatnonzero(~seen))
-    return ViewFacts(view.id, rows, relaxed, strict, withheld, tuple(np.flatnonzero(tie).tolist()))
+    return ViewFacts(name, rows, relaxed, strict, withheld, tuple(np.flatnonzero(tie).tolist()))
 
 
 def _snap(values: Array) -> Array:
@@ -111,7 +123,7 @@ def _in_blocks(count: int, work: Callable[[slice], None]) -> None:
             pass
 
 
-def _measure(boxes: Boxes, figure: Index, reference: Index, limits: Thresholds) -> PairColumns:
+def measure_pairs(boxes: Boxes, figure: Index, reference: Index, limits: Thresholds) -> PairColumns:
     """Measure the candidates and keep those within reach."""
     columns = PairColumns.empty(figure, reference)
     keep = np.empty(len(figure), dtype=np.bool_)
@@ -161,7 +173,7 @@ def _world(boxes: Boxes, facts: Facts) -> ViewFacts:
     """Return the cardinal halfspaces (axioms 21-25): the boxes aligned with the world's axes."""
     rows = np.flatnonzero(facts.ordered)
     framed, tie = align_with_world(boxes)
-    relaxed, strict = _horizontal(boxes, framed, facts, rows)
+    relaxed, strict = meets_halfspaces(boxes, framed, facts, rows)
     return ViewFacts(WORLD, rows, relaxed, strict, (), tuple(np.flatnonzero(tie).tolist()))
 
 
@@ -172,7 +184,7 @@ def _reason(wall: bool) -> str:
     return "the view stands within the footprint of this reference, so it has no front and sides"
 
 
-def _horizontal(boxes: Boxes, framed: Boxes, facts: Facts, rows: Index) -> tuple[Array, Array]:
+def meets_halfspaces(boxes: Boxes, framed: Boxes, facts: Facts, rows: Index) -> tuple[Array, Array]:
     """Return the margins along X+, X-, Y+, Y- of references in their frames, (q, 4) each."""
     figure, reference, apart = facts.figure[rows], facts.reference[rows], facts.separation[rows]
     relaxed, strict = np.empty((len(rows), 4)), np.empty((len(rows), 4))
