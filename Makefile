@@ -2,7 +2,7 @@
 BIN := .venv/bin
 SCENE ?= kb/scenes/hans.json
 WORKERS ?= 2
-PYTEST := $(BIN)/pytest -n $(WORKERS) --dist loadgroup
+PYTEST := $(BIN)/pytest -n $(WORKERS) --dist loadfile
 LOCK := UV_CUSTOM_COMPILE_COMMAND="make lock" uv pip compile --quiet --universal --python-version 3.11 \
 	--generate-hashes --fork-strategy fewest pyproject.toml
 

@@ -21,8 +21,7 @@ start :-
     setup_call_cleanup(
         open(FactsFile, read, Stream, [encoding(utf8)]),
         read_term(Stream, Facts, []),
-        close(Stream)),
-    delete_file(FactsFile),
+        ( close(Stream), delete_file(FactsFile) )),
     forall(member(Fact, Facts), assertz(facts:Fact)),
     banner.
 

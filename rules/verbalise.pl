@@ -1,6 +1,7 @@
 :- module(verbalise,
           [ node_text/2,                % +Node, -Text
             node_dict/2,                % +Node, -Dict
+            hindrance/2,                % +Goal, -Text
             print_proof/1,              % +Node
             object_name/2,              % +Object, -Name
             length_text/2               % +Metres, -Text
@@ -203,6 +204,32 @@ operator(=\=, unequal).
 join(Words, Text) :-
     atomic_list_concat(Words, ' ', Atom),
     atom_string(Atom, Text).
+
+%!  hindrance(+Goal, -Text:string) is semidet.
+%
+%   Text says what keeps a relation from being stated at all, whatever was measured: the order of figure and
+%   reference, a view that stands too close, things out of each other's reach.
+
+hindrance(Goal, Text) :-
+    functor(Goal, Name, Arity),
+    relation(Name/Arity),
+    Goal =.. [Name, Figure, Reference|View],
+    atom(Figure),
+    atom(Reference),
+    (   \+ figure_reference(Figure, Reference),
+        figure_reference(Reference, Figure)
+    ->  hindrance_text(order(Figure, Reference), Text)
+    ;   View = [V],
+        withheld(Reference, V, Reason)
+    ->  atom_string(Reason, Text)
+    ;   \+ pair(Figure, Reference, _, _, _, _, _, _, _),
+        Figure \== Reference
+    ->  hindrance_text(apart(Figure, Reference), Text)
+    ).
+
+hindrance_text(What, Text) :-
+    hindered(What, Template),
+    goal_text_items(Template, yes, Text).
 
 %   plain(+Marked, -Goal): numbers without the mark that they are no lengths.
 

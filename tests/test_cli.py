@@ -629,3 +629,15 @@ def test_nothing_is_left_behind(strange: Path, tmp_path: Path) -> None:
     assert (result.code, result.err) == (YES, "")
     assert len(json.loads(result.out)["relations"]) > 3
     assert list(private.iterdir()) == []
+
+
+def test_a_cold_start_loads_nothing_heavy(hans: Path) -> None:
+    """Boxes and polygons need no meshes, colours or Prolog in this process: what stays out costs no time."""
+    heavy = ["pyswip", "rich", "scipy", "trimesh"]
+    script = (
+        "import sys; from deixis.cli import main; code = main(); "
+        f"sys.exit(code or [name for name in {heavy} if name in sys.modules] or 0)"
+    )
+    command = [sys.executable, "-c", script, "relations", hans, "--format", "csv"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (YES, "")

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import pytest
+
 from scenes import ROBOT, box, floor, scene, turned, wall
 
 TURNS = (0.0, math.pi / 2, 0.3, -2.1)

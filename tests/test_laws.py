@@ -19,13 +19,13 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from scenes import box, scene
-from worlds import World, mirrored, moved, scaled, worlds, yaws
 
 from deixis.facts import Facts
 from deixis.grounding import ground
 from deixis.prolog import Atom, PrologEngine
 from deixis.vocabulary import BASE, RELATIONS
+from scenes import box
+from worlds import World, mirrored, moved, scaled, worlds, yaws
 
 Row = tuple[str, ...]
 Reason = Callable[..., set[Row]]

@@ -1,7 +1,7 @@
 """The README is true: its commands and examples give the output it prints, its links lead somewhere.
 
-The text block after a command is that command's output; ``...`` in it stands for anything. Where the output has
-changed for a good reason, ``DEIXIS_BLESS=1 pytest tests/test_readme.py`` writes the blocks without ``...`` anew.
+The text block after a command is that command's output; ``...`` in it stands for anything. Where output has
+changed for a good reason, ``DEIXIS_BLESS=1 pytest tests/test_readme.py`` writes blocks without ``...`` anew.
 """
 
 from __future__ import annotations

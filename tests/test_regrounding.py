@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scenes import box, floor, scene, wall
 
 from deixis import grounding, regrounding
 from deixis.facts import Facts
 from deixis.regrounding import reground
 from deixis.scene import Scene
+from scenes import box, floor, scene, wall
 
 millimetres = st.integers(-900, 900).map(lambda value: value / 1000)
 points = st.tuples(millimetres, millimetres, millimetres)

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from hypothesis import strategies as st
-from scenes import scene, turned
 
 from deixis.scene import Scene
 from deixis.thresholds import Thresholds
+from scenes import scene, turned
 
 Data = dict[str, Any]
 Point = tuple[float, float, float]

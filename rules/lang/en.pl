@@ -1,6 +1,7 @@
 :- module(en,
           [ sentence/2,                 % ?Goal, ?Template
             no_other/3,                 % ?Goal, ?Exception, ?Template
+            hindered/2,                 % ?What, ?Template
             space/3,                    % ?Axis, ?View, ?Words
             connective/2                % ?Name, ?Words
           ]).
@@ -81,6 +82,13 @@ sentence(label(O, Name, _), [the(O), is, 'recognised as', Name]).
 %   Template says that Goal holds of nothing other than Exception.
 
 no_other(touches(_, F), R, ['nothing other than', the(R), 'touches', the(F)]).
+
+%!  hindered(?What, ?Template) is nondet.
+%
+%   Template says what keeps a relation from being stated at all.
+
+hindered(order(F, R), [the(F), is, 'the reference of the two, so people say where', the(R), is]).
+hindered(apart(F, R), [the(F), 'and', the(R), 'are beyond the reach of any relation']).
 
 %!  space(?Axis, ?View, ?Words) is nondet.
 %

@@ -6,6 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from deixis.thresholds import SNAP_DECIMALS
+
 Kind = Literal["rule", "fact", "comparison", "negation", "conjunction"]
 
 
@@ -70,7 +72,7 @@ class Proof:
             predicate=node["predicate"],
             args=tuple(node["args"]),
             text=node["text"],
-            margin=node["margin"],
+            margin=None if node["margin"] is None else round(node["margin"], SNAP_DECIMALS),
             axiom=node["axiom"],
             rule=Rule(rule["file"], rule["line"]) if rule else None,
             shown=node["shown"],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import threading
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,6 +18,7 @@ from deixis.errors import QueryError
 from deixis.facts import Facts
 from deixis.grounding import ground
 from deixis.scene import Scene
+from deixis.thresholds import SNAP_DECIMALS
 from deixis.vocabulary import BASE, RELATIONS
 
 if TYPE_CHECKING:
@@ -35,7 +37,8 @@ class Relation:
     relation : str
         Name of the predicate, as in :mod:`deixis.vocabulary`.
     figure, reference : str
-        Ids of the two things.
+        Ids of the two things, in the order of the predicate's arguments: of ``compl_cont`` the container
+        comes first.
     view : str or None
         Id of the view, where it matters.
     margin : float or None
@@ -103,6 +106,7 @@ class KnowledgeBase:
         self.scene = scene
         self._rules = tuple(Path(path) for path in rules)
         self._engine: PrologEngine | None = None
+        self._starting = threading.Lock()
 
     @classmethod
     def from_scene(
@@ -155,18 +159,19 @@ class KnowledgeBase:
     @property
     def engine(self) -> PrologEngine:
         """Return the logic engine with rules and facts loaded, started if need be."""
-        if self._engine is None:
-            from deixis.prolog import PrologEngine
+        with self._starting:
+            if self._engine is None:
+                from deixis.prolog import PrologEngine
 
-            # Starting does not wait: Prolog comes up while the geometry is grounded.
-            engine = PrologEngine([*theory_files(), *self._rules])
-            try:
-                engine.load(self.facts_text(readable=False))
-            except BaseException:
-                engine.close()
-                raise
-            self._engine = engine
-        return self._engine
+                # Starting does not wait: Prolog comes up while the geometry is grounded.
+                engine = PrologEngine([*theory_files(), *self._rules])
+                try:
+                    engine.load(self.facts_text(readable=False))
+                except BaseException:
+                    engine.close()
+                    raise
+                self._engine = engine
+            return self._engine
 
     def relations(
         self, *, view: str | None = None, relation: Iterable[str] | None = None, timeout: float = 60.0
@@ -199,7 +204,7 @@ class KnowledgeBase:
         rows: Any = self.engine.call("margins", *predicates, timeout=timeout)
         views = {term.name for term in wanted if term.view}
         found = [
-            Relation(row[0], row[1], row[2], row[3] if row[0] in views else None, row[-1])
+            Relation(row[0], row[1], row[2], row[3] if row[0] in views else None, _rounded(row[-1]))
             for row in rows
             if view is None or row[0] not in views or row[3] == view
         ]
@@ -257,6 +262,11 @@ def _term(name: str) -> vocabulary.Term:
     if name not in known:
         raise QueryError(f"no relation {name!r}{_hint(name, list(known))}")
     return known[name]
+
+
+def _rounded(margin: float | None) -> float | None:
+    """Return a margin to a nanometre, as lengths are measured: differences carry rounding noise."""
+    return None if margin is None else round(margin, SNAP_DECIMALS)
 
 
 def _hint(name: str, known: Sequence[str]) -> str:

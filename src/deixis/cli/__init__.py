@@ -8,6 +8,7 @@ from __future__ import annotations
 import io
 import os
 import sys
+import traceback
 from typing import TextIO
 
 
@@ -34,6 +35,9 @@ def main() -> int:
     except OSError as error:
         print(f"deixis: cannot go on: {printable_lines(error)}", file=sys.stderr)
         _discard(stdout)
+        return 2
+    except Exception:  # noqa: BLE001 - shown in full; Python's own exit code for it would mean "no"
+        traceback.print_exc()
         return 2
 
 

@@ -117,7 +117,9 @@ def facts(
             }
         )
     else:
-        columns = [name for name in kb.facts.columns() if output is Format.CSV or name != "normal"]
+        columns = list(kb.facts.columns())
+        if output is Format.TABLE:
+            columns = [name for name in columns if not name.startswith("normal")]
         (write_csv if output is Format.CSV else write_table)(columns, records(columns, rows))
 
 

@@ -24,7 +24,11 @@ bridge:operation(why, [Text], Reply) :-
         Reply = _{ unknown: Stranger }
     ;   explain:refusal(question:Goal, Node),
         Node = node(_, _, _, _, Near),
-        verbalise:node_text(Node, Sentence),
+        verbalise:node_text(Node, Sentence0),
+        (   verbalise:hindrance(Goal, Hindrance)
+        ->  format(string(Sentence), "~s; ~s", [Sentence0, Hindrance])
+        ;   Sentence = Sentence0
+        ),
         (   Near = [Miss]
         ->  verbalise:node_dict(Miss, Nearest)
         ;   Nearest = null
