@@ -62,7 +62,10 @@ def mirrored(world: World) -> World:
 def scaled(world: World, factor: float) -> World:
     """Make everything larger, the thresholds that are lengths too."""
     larger = world.each(lambda data: _mapped(data, lambda p: [factor * c for c in p], factor, 1.0))
-    limits = {name: v if name == "halfspace_scale" else factor * v for name, v in world.limits.items()}
+    limits = {
+        name: value if name == "halfspace_scale" else round(factor * value, 9)
+        for name, value in world.limits.items()
+    }
     return replace(larger, limits=limits)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from deixis.boxes import Boxes
 from deixis.frames import Array, Index, Mask
+from deixis.thresholds import SNAP
 
 _SIGNS = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
@@ -109,7 +110,7 @@ def vertical_escapes(
 ) -> tuple[Array, Array]:
     """Return how far the figure would have to rise, and to sink, to leave the reference's height interval.
 
-    What a thing completely contains (up to D) lies on the thing's bottom, it does not cling to it from
+    What a thing completely contains (up to D, and its middle at all) lies on the thing's bottom, it does not cling to it from
     below: the way out through the bottom is not counted (infinite), so that a knife in a drawer is in it
     and a sheet on a table is on it. Surfaces have no inside (decision 0004).
 
@@ -130,8 +131,12 @@ def vertical_escapes(
         Metres; negative when the figure is already above, or below.
     """
     tall = half_a[:, 2] + half_b[:, 2]
-    within_b = ~surface_b & (protrusion(placement, half_a, half_b) <= granularity)
-    within_a = ~surface_a & (protrusion(placement.reversed(), half_b, half_a) <= granularity)
+    limit, level = granularity + SNAP, np.abs(placement.z) - SNAP
+    # A plate no thicker than D that is flush under a shelf protrudes by no more than D, but is not in it.
+    within_b = ~surface_b & (level <= half_b[:, 2]) & (protrusion(placement, half_a, half_b) <= limit)
+    within_a = (
+        ~surface_a & (level <= half_a[:, 2]) & (protrusion(placement.reversed(), half_b, half_a) <= limit)
+    )
     # Of two things that contain each other up to D neither is the container.
     within_b, within_a = within_b & ~within_a, within_a & ~within_b
     up = np.where(within_a, np.inf, tall - placement.z)
