@@ -37,7 +37,7 @@ Clause is a clause reference or `none`; Margin is a number, or `inf` where no le
 %   Node is a proof of Goal; on backtracking, the others.
 
 proof(M:Goal, Node) :-
-    prove(Goal, M, [], Node).
+    derive(holds, Goal, M, [], Node).
 
 %!  best_proof(:Goal, -Node) is semidet.
 %
@@ -71,11 +71,11 @@ truth_margin(Goal, Margin) :-
 %   Fails where nothing within reach could make Goal true.
 
 nearest_miss(M:Goal, Node) :-
-    findall(N, approach_whole(Goal, M, N), [First|Rest]),
+    findall(N, near_whole(Goal, M, N), [First|Rest]),
     foldl(closer, Rest, First, Node).
 
-approach_whole(Goal, M, Node) :-
-    approach_all(Goal, M, [], Nodes),
+near_whole(Goal, M, Node) :-
+    derive_all(Goal, nears, M, [], Nodes),
     (   Nodes = [Node]
     ->  true
     ;   weakest(Nodes, Margin),
@@ -87,7 +87,7 @@ approach_whole(Goal, M, Node) :-
 %   Node says that Goal does not hold, with the nearest miss below it.
 
 refusal(M:Goal, Node) :-
-    prove(\+ Goal, M, [], Node).
+    derive(holds, \+ Goal, M, [], Node).
 
 closer(A, B, C) :-
     margin(A, MA),
@@ -97,14 +97,18 @@ closer(A, B, C) :-
     ;   C = B
     ).
 
-%   prove(+Goal, +Module, +Ancestors, -Node): only what holds.
+%   derive(+Mode, +Goal, +Module, +Ancestors, -Node): in mode `holds` only what holds; in mode `nears` every
+%   derivation, whether its comparisons hold or not.
 
-prove(Goal, M, Above, Node) :-
+derive(Mode, Goal, M, Above, Node) :-
     step(Goal, M, Kind),
-    prove(Kind, Goal, M, Above, Node).
+    derive(Kind, Mode, Goal, M, Above, Node).
 
-prove(negation(Inner), _, M, _, node(negation, \+ Inner, Margin, none, Near)) :-
-    \+ call(M:Inner),
+derive(negation(Inner), Mode, _, M, _, node(negation, \+ Inner, Margin, none, Near)) :-
+    (   Mode == holds
+    ->  \+ call(M:Inner)
+    ;   true
+    ),
     (   nearest_miss(M:Inner, Miss)
     ->  margin(Miss, Short),
         negated(Short, Margin),
@@ -112,62 +116,28 @@ prove(negation(Inner), _, M, _, node(negation, \+ Inner, Margin, none, Near)) :-
     ;   Margin = inf,
         Near = []
     ).
-prove(comparison, Goal, _, _, node(comparison, Goal, Margin, none, [])) :-
+derive(comparison, Mode, Goal, _, _, node(comparison, Goal, Margin, none, [])) :-
     compares(Goal, Plain, Margin),
-    call(Plain).
-prove(fact(Def), Goal, _, _, Node) :-
-    recall(Goal, Def, Node).
-prove(rule(Def), Goal, _, Above, node(rule, Goal, Margin, Clause, Children)) :-
-    \+ ( member(Seen, Above), Seen =@= Goal ),
-    clause(Def:Goal, Body, Clause),
-    prove_all(Body, Def, [Goal|Above], Children),
-    weakest(Children, Margin).
-
-prove_all(true, _, _, []) :- !.
-prove_all((A, B), M, Above, Nodes) :-
-    !,
-    prove_all(A, M, Above, First),
-    prove_all(B, M, Above, Rest),
-    append(First, Rest, Nodes).
-prove_all(Goal, M, Above, [Node]) :-
-    prove(Goal, M, Above, Node).
-
-%   approach(+Goal, +Module, +Ancestors, -Node): every derivation, whether its comparisons hold or not.
-
-approach(Goal, M, Above, Node) :-
-    step(Goal, M, Kind),
-    approach(Kind, Goal, M, Above, Node).
-
-approach(negation(Inner), _, M, _, node(negation, \+ Inner, Margin, none, Near)) :-
-    (   nearest_miss(M:Inner, Miss)
-    ->  margin(Miss, Short),
-        negated(Short, Margin),
-        Near = [Miss]
-    ;   Margin = inf,
-        Near = []
-    ).
-approach(comparison, Goal, _, _, node(comparison, Goal, Margin, none, [])) :-
-    compares(Goal, Plain, Margin),
-    (   Margin == inf
+    (   ( Mode == holds ; Margin == inf )
     ->  call(Plain)
     ;   true
     ).
-approach(fact(Def), Goal, _, _, Node) :-
+derive(fact(Def), _, Goal, _, _, Node) :-
     recall(Goal, Def, Node).
-approach(rule(Def), Goal, _, Above, node(rule, Goal, Margin, Clause, Children)) :-
+derive(rule(Def), Mode, Goal, _, Above, node(rule, Goal, Margin, Clause, Children)) :-
     \+ ( member(Seen, Above), Seen =@= Goal ),
     clause(Def:Goal, Body, Clause),
-    approach_all(Body, Def, [Goal|Above], Children),
+    derive_all(Body, Mode, Def, [Goal|Above], Children),
     weakest(Children, Margin).
 
-approach_all(true, _, _, []) :- !.
-approach_all((A, B), M, Above, Nodes) :-
+derive_all(true, _, _, _, []) :- !.
+derive_all((A, B), Mode, M, Above, Nodes) :-
     !,
-    approach_all(A, M, Above, First),
-    approach_all(B, M, Above, Rest),
+    derive_all(A, Mode, M, Above, First),
+    derive_all(B, Mode, M, Above, Rest),
     append(First, Rest, Nodes).
-approach_all(Goal, M, Above, [Node]) :-
-    approach(Goal, M, Above, Node).
+derive_all(Goal, Mode, M, Above, [Node]) :-
+    derive(Mode, Goal, M, Above, Node).
 
 %   step(+Goal, +Module, -Kind): what kind of thing a goal is, and where it is defined.
 
