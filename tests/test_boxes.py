@@ -1,4 +1,4 @@
-"""Minimum and contextualised boxes: they hold their points, turn with them, and say where they are a choice."""
+"""Minimum and contextualised boxes: they hold their points, turn with them, and are marked where a choice."""
 
 from __future__ import annotations
 
@@ -103,7 +103,9 @@ def test_flat_and_thin_clouds_have_flat_and_thin_boxes(
     assert marked == ambiguous
 
 
-@pytest.mark.parametrize("points", [np.zeros((0, 3)), np.zeros((2, 2)), [[0, 0, math.nan]], [[0, math.inf, 0]]])
+@pytest.mark.parametrize(
+    "points", [np.zeros((0, 3)), np.zeros((2, 2)), [[0, 0, math.nan]], [[0, math.inf, 0]]]
+)
 def test_what_is_no_cloud_is_refused(points: Array) -> None:
     with pytest.raises(GeometryError, match="finite points"):
         min_bound_box(points)

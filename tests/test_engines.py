@@ -29,7 +29,9 @@ SIDES = {"X+": "behind", "X-": "in_front_of", "Y+": "left_of", "Y-": "right_of"}
 def by_rules(engine: PrologEngine, scene: Scene) -> Table:
     """Return what holds by the rules."""
     engine.load(KnowledgeBase(scene).facts_text(readable=False))
-    return {name: {tuple(map(str, row)) for row in rows} for name, rows in engine.relations(PREDICATES).items()}
+    return {
+        name: {tuple(map(str, row)) for row in rows} for name, rows in engine.relations(PREDICATES).items()
+    }
 
 
 def by_columns(facts: Facts) -> Table:
@@ -55,7 +57,10 @@ def by_columns(facts: Facts) -> Table:
     for view in facts.views:
         for column, axis in enumerate(HORIZONTAL):
             meets = view.int_hs[:, column] >= 0.0
-            found, within = pairs(meets, view.rows), pairs(meets & (view.cont_hs[:, column] >= 0.0), view.rows)
+            found, within = (
+                pairs(meets, view.rows),
+                pairs(meets & (view.cont_hs[:, column] >= 0.0), view.rows),
+            )
             of["int_hs"] |= {(*pair, axis, view.view) for pair in found}
             of["cont_hs"] |= {(*pair, axis, view.view) for pair in within}
             if view.view == WORLD:
@@ -85,9 +90,7 @@ def commonsense(of: Table, sides: Table, ordered: set[Row], facts: Facts) -> Tab
         "on_top_of": above & of["touches"],
         "leans_on": {row for row in touching - above - below if row[0] in standing},
         "affixed_on": {row for row in touching - above if touched[row[0]] == {row[1]}},
-        "part_in": {
-            (a, b) for a, b in of["intersects"] & ordered if frontier[a, b] < frontier[b, a]
-        },
+        "part_in": {(a, b) for a, b in of["intersects"] & ordered if frontier[a, b] < frontier[b, a]},
     }
 
 

@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from fractions import Fraction
 
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given
-from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from deixis import halfspaces, measures
-from deixis.boxes import NO_NORMAL, Boxes, align_with_world, contextualise, min_bound_box
+from deixis.boxes import NO_NORMAL, Boxes, contextualise
 from deixis.broadphase import candidate_rows
-from deixis.errors import GeometryError
 from deixis.frames import QUARTER
 from deixis.grounding import ground, measure_pairs
 from deixis.thresholds import Thresholds
-from scenes import box, scene, turned
-from worlds import TRIPLES, World, moved, worlds
+from scenes import box, scene
+from worlds import TRIPLES
 
 Array = NDArray[np.float64]
 
@@ -139,9 +135,7 @@ def test_distances_are_shapely_s_and_depths_those_of_minkowski() -> None:
     agree(np.hypot(np.hypot(*normal[:, :2].T), normal[:, 2]), 1.0)
     cos, sin = np.cos(b.yaw), np.sin(b.yaw)
     step = np.stack([cos * normal[:, 0] - sin * normal[:, 1], sin * normal[:, 0] + cos * normal[:, 1]])
-    met = boxes(
-        a.center - signed[:, None] * np.stack([*step, normal[:, 2]], axis=1), a.half, a.yaw
-    )
+    met = boxes(a.center - signed[:, None] * np.stack([*step, normal[:, 2]], axis=1), a.half, a.yaw)
     there = measures.place(met, b)
     left, _ = measures.separation(there, a.half, b.half, tall - there.z, tall + there.z)
     agree(left, 0.0, 1e-9)
@@ -186,7 +180,10 @@ def test_horizontal_halfspaces_are_their_definition() -> None:
         upright = np.minimum(tall_a[:, 1], tall_b[:, 1]) - np.maximum(tall_a[:, 0], tall_b[:, 0]) >= D / 2
         beyond = (near >= face - D) & (along.mean(axis=1) >= 0.0) & (apart >= -P)
         meets = level & upright & (beyond | (far >= face + D)) & (near <= face + depth)
-        out = np.maximum(np.abs(across).max(axis=1) - width, np.abs(tall_a - b.center[:, 2, None]).max(axis=1) - thick_b[:, 2])
+        out = np.maximum(
+            np.abs(across).max(axis=1) - width,
+            np.abs(tall_a - b.center[:, 2, None]).max(axis=1) - thick_b[:, 2],
+        )
         within = (out <= D) & (along.min(axis=1) >= face - D) & (along.max(axis=1) <= face + depth + D)
         sure = np.abs(relaxed[:, column]) > 1e-6
         assert 0.02 < meets[sure].mean() < 0.9
@@ -215,7 +212,9 @@ def test_vertical_halfspaces_are_their_definition() -> None:
     differences = figure[:, :, None] - corners(b, thick_b)[:, None, :]
     hulls = shapely.convex_hull(shapely.multipoints(differences.reshape(PAIRS, 16, 2)))
     origin = shapely.Point(0.0, 0.0)
-    shared = shapely.distance(shapely.boundary(hulls), origin) * np.where(shapely.covers(hulls, origin), 1, -1)
+    shared = shapely.distance(shapely.boundary(hulls), origin) * np.where(
+        shapely.covers(hulls, origin), 1, -1
+    )
     out = (np.abs(in_frame(figure, b)) - thick_b[:, None, :2]).max(axis=(1, 2))
     touching = (signed >= -P) & (signed <= D)
     assert 0.1 < touching.mean() < 0.9
@@ -268,11 +267,17 @@ def exact_separation(a: Exact, b: Exact) -> tuple[Fraction, bool]:
 
 
 def _exact_plan(
-    at: tuple[Fraction, Fraction], turn: tuple[Fraction, Fraction], half_a: tuple[int, ...], half_b: tuple[int, ...]
+    at: tuple[Fraction, Fraction],
+    turn: tuple[Fraction, Fraction],
+    half_a: tuple[int, ...],
+    half_b: tuple[int, ...],
 ) -> tuple[Fraction, Fraction]:
     """Return the least squared distance from a corner of the figure, and the widest gap along b's axes."""
     points = [
-        (at[0] + i * half_a[0] * turn[0] - j * half_a[1] * turn[1], at[1] + i * half_a[0] * turn[1] + j * half_a[1] * turn[0])
+        (
+            at[0] + i * half_a[0] * turn[0] - j * half_a[1] * turn[1],
+            at[1] + i * half_a[0] * turn[1] + j * half_a[1] * turn[0],
+        )
         for i in (1, -1)
         for j in (1, -1)
     ]
@@ -290,7 +295,11 @@ def test_what_touches_overlaps_and_is_apart_is_decided_as_in_whole_numbers() -> 
     for at in range(0, 2500, 2):
         b[at] = (b[at][0], b[at][1], (Fraction(1), Fraction(0)))
         half, (cos, sin) = a[at][1], a[at][2]
-        own = (half[0] * abs(cos) + half[1] * abs(sin), half[0] * abs(sin) + half[1] * abs(cos), Fraction(half[2]))
+        own = (
+            half[0] * abs(cos) + half[1] * abs(sin),
+            half[0] * abs(sin) + half[1] * abs(cos),
+            Fraction(half[2]),
+        )
         axis, side = int(rng.integers(3)), int(rng.choice([-1, 1]))
         center = [Fraction(c) for c in a[at][0]]
         center[axis] = b[at][0][axis] + side * (b[at][1][axis] + own[axis])
@@ -317,7 +326,7 @@ def test_what_touches_overlaps_and_is_apart_is_decided_as_in_whole_numbers() -> 
 
 
 def contacts(rng: np.random.Generator, count: int) -> tuple[Boxes, Boxes]:
-    """Return pairs that meet in a face, an edge or a vertex, before they are turned together."""
+    """Return pairs that meet in a face, an edge or a vertex, each pair turned as one by any angle."""
     half_a, half_b = rng.integers(1, 800, (2, count, 3)) / 1000
     side = rng.choice([-1, 1], (count, 3))
     meets = rng.random((count, 3)) < 0.5
@@ -330,7 +339,9 @@ def contacts(rng: np.random.Generator, count: int) -> tuple[Boxes, Boxes]:
     turned_x, turned_y = cos * offset[:, 0] - sin * offset[:, 1], sin * offset[:, 0] + cos * offset[:, 1]
     quarter = rng.integers(0, 4, count)
     swapped = np.where((quarter % 2 == 1)[:, None], half_a[:, [1, 0, 2]], half_a)
-    figure = boxes(shift + np.stack([turned_x, turned_y, offset[:, 2]], axis=1), swapped, angle + quarter * QUARTER)
+    figure = boxes(
+        shift + np.stack([turned_x, turned_y, offset[:, 2]], axis=1), swapped, angle + quarter * QUARTER
+    )
     return figure, boxes(shift, half_b, angle)
 
 
@@ -338,7 +349,9 @@ def test_all_of_ten_thousand_turned_contacts_are_found() -> None:
     figure, reference = contacts(np.random.default_rng(8), 10_000)
     both = joined(figure, reference)
     index = np.arange(10_000)
-    pairs = measure_pairs(both, np.concatenate([index, index + 10_000]), np.concatenate([index + 10_000, index]), LIMITS)
+    pairs = measure_pairs(
+        both, np.concatenate([index, index + 10_000]), np.concatenate([index + 10_000, index]), LIMITS
+    )
     assert len(pairs.figure) == 20_000
     assert (pairs.separation == 0.0).all()
 
@@ -346,3 +359,47 @@ def test_all_of_ten_thousand_turned_contacts_are_found() -> None:
 def joined(*some: Boxes) -> Boxes:
     names = ("center", "half", "yaw", "normal", "ambiguous")
     return Boxes(*(np.concatenate([getattr(one, name) for one in some]) for name in names))
+
+
+# Which pairs are looked at.
+
+
+def test_no_pair_that_anything_is_said_of_is_left_out() -> None:
+    rng = np.random.default_rng(9)
+    # More things than are compared all with all, and fewer.
+    for count in (60, 400):
+        some = random_boxes(rng, count, spread=2.5)
+        figure, reference = (index[~np.eye(count, dtype=bool)] for index in np.indices((count, count)))
+        every = measure_pairs(some, figure, reference, LIMITS)
+        found = measure_pairs(some, *candidate_rows(some, LIMITS), LIMITS)
+        assert len(found.figure) < len(figure)
+        np.testing.assert_array_equal(found.figure, every.figure)
+        np.testing.assert_array_equal(found.reference, every.reference)
+        # And what is left out meets no halfspace, from wherever one looks.
+        kept = set(zip(found.figure.tolist(), found.reference.tolist(), strict=True))
+        left = np.array([pair not in kept for pair in zip(figure.tolist(), reference.tolist(), strict=True)])
+        volume = some.volume(D)
+        left &= volume[reference] >= volume[figure]
+        for position in ([-4.0, 0.3, 1.0], [3.0, 5.0, 1.0]):
+            framed, _, _ = contextualise(some, np.array(position))
+            a, b = some.take(figure[left]), framed.take(reference[left])
+            there = measures.place(a, b)
+            relaxed, _ = halfspaces.meets_horizontal(there, a.half, b.half, b.normal, np.ones(len(a)), LIMITS)
+            assert (relaxed < 0.0).all()
+
+
+@pytest.mark.parametrize("bound", ["closeness", "depth"])
+def test_a_pair_just_within_reach_is_measured_wherever_it_stands(bound: str) -> None:
+    rng = np.random.default_rng(10)
+    missed = 0
+    for _ in range(300):
+        near = bound == "closeness"
+        half = int(rng.integers(100, 400) if near else rng.integers(450, 900)) / 1000
+        gap = LIMITS.closeness if near else round(2 * LIMITS.halfspace_scale * half, 6)
+        low = box("low", rng.uniform(-9.0, 9.0, 3).round(3).tolist(), (0.02, 0.02, 2 * half))
+        x, y, z = low["box"]["center"]
+        high = box("high", (x, y, z + half + gap + 0.005), (0.01, 0.01, 0.01))
+        facts = ground(scene(low, high))
+        row = facts.row("high", "low")
+        missed += row is None or not (facts.is_close[row] if near else facts.vertical[row, 0] >= 0.0)
+    assert missed == 0

@@ -20,11 +20,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from deixis.boxes import align_with_world, contextualise
 from deixis.facts import Facts
 from deixis.grounding import ground
 from deixis.prolog import Atom, PrologEngine
 from deixis.vocabulary import BASE, RELATIONS
-from scenes import box, scene
+from scenes import box, scene, turned
 from worlds import Data, World, mirrored, moved, scaled, worlds, yaws
 
 Row = tuple[str, ...]
@@ -112,6 +113,11 @@ def test_shifting_all_changes_no_cardinal_direction(
     answers: Answers, world: World, shift: tuple[float, float, float]
 ) -> None:
     assert answers(moved(world, 0.0, shift)) == answers(world)
+
+
+@given(world=worlds())
+def test_a_thousand_kilometres_away_all_is_as_it_was(answers: Answers, world: World) -> None:
+    assert answers(moved(world, 0.0, (1.0e6, -1.0e6, 1.0e5))) == answers(world)
 
 
 @given(world=worlds(), height=METRES)
@@ -410,5 +416,85 @@ def test_a_move_shorter_than_the_margin_keeps_contact_and_nearness(
 
 
 def contained(facts: Any) -> list[bool]:
-    """Return which of a pair lies within the other up to D: there the way out through the bottom is closed."""
+    """Return which of a pair lies within the other up to D: the way out through its bottom may be closed."""
     return [bool(out <= facts.thresholds.granularity) for out in facts.protrusion]
+
+
+@given(world=worlds(most=2), share=st.sampled_from([-0.99, -0.5, 0.05, 0.5, 0.99]))
+def test_a_move_along_an_axis_shorter_than_the_margin_keeps_the_side(world: World, share: float) -> None:
+    it = world.scene()
+    before = ground(it)
+    frames = [align_with_world(it.boxes)[0]]
+    frames += [contextualise(it.boxes, view.position)[0] for view in it.views]
+    for number, (view, framed) in enumerate(zip(before.views, frames, strict=True)):
+        for row, margins in zip(view.rows, view.int_hs, strict=True):
+            figure, reference = before.figure[row], before.reference[row]
+            for column, margin in enumerate(margins):
+                if abs(margin) < 1.0e-6:
+                    continue
+                angle = framed.yaw[reference] + column // 2 * math.pi / 2
+                way = share * (abs(margin) - 1.0e-6)
+                thing = turned(world.things[figure], 0.0, (way * math.cos(angle), way * math.sin(angle), 0.0))
+                things = list(world.things)
+                things[figure] = thing
+                after = ground(replace(world, things=tuple(things)).scene())
+                same = np.flatnonzero((after.figure == figure) & (after.reference == reference))
+                # Beyond reach nothing is met; sunk deeper than contact, a side is what sticks out of it.
+                if not len(same):
+                    assert margin < 0.0
+                elif after.intersects[same[0]] == before.intersects[row]:
+                    there = after.views[number]
+                    found = there.int_hs[np.flatnonzero(there.rows == same[0])[0], column]
+                    assert (found >= 0.0) == (margin >= 0.0)
+
+
+# What looks like a law and is none: one counter-example each.
+
+SQUARE_ON = {"id": "v0", "label": "robot", "position": [-9.0, 0.0, 0.5], "heading": 0.0}
+CUBE = box("cube", (0, 0, 0.5), (1, 1, 1))
+
+
+@pytest.mark.parametrize(
+    ("relation", "inverse", "plank"),
+    [
+        ("left_of", "right_of", box("plank", (0, 1.4, 0.5), (5, 0.2, 1))),
+        ("behind", "in_front_of", box("plank", (1.4, 0, 0.5), (0.2, 5, 1))),
+        ("above", "below", box("plank", (0, 0, 2.1), (5, 1, 0.2))),
+    ],
+)
+def test_opposite_relations_are_no_inverses(reason: Reason, relation: str, inverse: str, plank: Data) -> None:
+    rows = reason(scene(CUBE, plank, views=[SQUARE_ON]))
+    view = () if relation == "above" else ("v0",)
+    # The plank is as large as the cube, and thinner: it lies in what the cube spreads, not the other way.
+    assert (relation, "plank", "cube", *view) in rows
+    assert (inverse, "cube", "plank", *view) not in rows
+
+
+def test_opposite_relations_do_not_exclude_each_other(reason: Reason) -> None:
+    rows = reason(scene(CUBE, box("pole", (0, 0, 0.5), (0.1, 3, 0.1)), views=[SQUARE_ON]))
+    assert {("left_of", "pole", "cube", "v0"), ("right_of", "pole", "cube", "v0")} <= rows
+
+
+def test_not_everything_near_is_on_some_side(reason: Reason) -> None:
+    rows = reason(scene(CUBE, box("ball", (0.8, 0.8, 1.3), (0.2, 0.2, 0.2)), views=[SQUARE_ON]))
+    assert rows == {("near", "ball", "cube")}
+
+
+def test_up_and_down_cannot_be_exchanged(reason: Reason) -> None:
+    # What lies at the bottom of a box is in it; as close to its lid, it touches it from within.
+    box_of, sheet = (0, 0, 0.5), (0.5, 0.5, 0.02)
+    low = reason(scene(box("box", box_of, (1, 1, 1)), box("sheet", (0, 0, 0.02), sheet)))
+    high = reason(scene(box("box", box_of, (1, 1, 1)), box("sheet", (0, 0, 0.98), sheet)))
+    assert ("inside", "sheet", "box") in low
+    assert ("on_top_of", "sheet", "box") in high
+
+
+def test_a_margin_of_contact_does_not_foresee_the_way_out_through_the_bottom() -> None:
+    # Two centimetres sideways, and the knife no longer lies within the drawer: then it hangs through it.
+    def separation(aside: float) -> float:
+        knife = box("knife", (0.11 + aside, 0, 0.74), (0.2, 0.03, 0.03))
+        facts = ground(scene(box("drawer", (0, 0, 0.8), (0.4, 0.4, 0.15)), knife))
+        return float(facts.separation[0])
+
+    assert separation(0.0) == pytest.approx(-0.15)
+    assert separation(0.02) == pytest.approx(-0.03)

@@ -1,4 +1,4 @@
-"""Random small worlds for property tests: whole millimetres, exact and inexact yaws, many things just at a bound."""
+"""Random small worlds for property tests: whole millimetres, all kinds of turns, many things at a bound."""
 
 from __future__ import annotations
 

@@ -261,11 +261,13 @@ def min_bound_box(points: Array) -> tuple[Array, Array, float, bool]:
     tied = np.flatnonzero(area <= area.min() + 1.0e-7 * size * size)
     spread = (angle[tied] - angle[tied[0]] + QUARTER / 2.0) % QUARTER - QUARTER / 2.0
     ambiguous = bool((np.abs(spread) > 1.0e-6).any())
-    # Among ties the edge nearest in turn to the first point given: an order that moves with the object.
-    middle = (ring + 0.5 * edges)[usable][tied]
-    first = plan[min(int((plan == corner).all(axis=1).argmax()) for corner in ring)] if ambiguous else ring[0]
-    turn = (np.arctan2(middle[:, 1], middle[:, 0]) - np.arctan2(first[1], first[0])) % (2.0 * np.pi)
-    best = int(tied[turn.argmin()]) if ambiguous else int(tied[0])
+    # Among ties the edge next in turn after the first point given, seen from the middle of all: an order
+    # that moves with the object, and does not depend on which points of a straight side count as corners.
+    spoke = plan - plan.mean(axis=0)
+    first = spoke[int((np.hypot(spoke[:, 0], spoke[:, 1]) > 1.0e-6 * size).argmax())]
+    direction = np.arctan2(edges[usable][tied, 1], edges[usable][tied, 0])
+    turn = (direction - np.arctan2(first[1], first[0]) + 1.0e-6) % (2.0 * np.pi)
+    best = int(tied[turn.argmin()]) if ambiguous else int(area.argmin())
     yaw = float(angle[best])
     middle_x = 0.5 * (along[best].max() + along[best].min())
     middle_y = 0.5 * (across[best].max() + across[best].min())

@@ -27,6 +27,9 @@ _SMALL: Final = 256
 _HITS: Final = 4_000_000
 """Pairs that one query of the index may return."""
 
+_SLACK: Final = 1.0e-6
+"""Metres added to every reach, so that what stands just at it is not lost to rounding."""
+
 WORKERS: Final = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 """Threads that share the work: numpy and the index let go of the interpreter while they compute."""
 
@@ -40,7 +43,8 @@ def reach(boxes: Boxes, limits: Thresholds) -> Array:
     half = boxes.effective_half(limits.granularity)
     sweep = 2.0 * limits.halfspace_scale
     plan = sweep * half[:, :2].max(axis=1) + np.hypot(half[:, 0], half[:, 1])
-    return np.where(boxes.surface, np.inf, np.maximum(np.maximum(plan, sweep * half[:, 2]), limits.closeness))
+    furthest = np.maximum(np.maximum(plan, sweep * half[:, 2]), limits.closeness)
+    return np.where(boxes.surface, np.inf, furthest + _SLACK)
 
 
 def candidate_rows(boxes: Boxes, limits: Thresholds, max_pairs: int = MAX_PAIRS) -> tuple[Index, Index]:
