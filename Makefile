@@ -6,7 +6,7 @@ PYTEST := $(BIN)/pytest -n $(WORKERS) --dist loadfile
 LOCK := UV_CUSTOM_COMPILE_COMMAND="make lock" uv pip compile --quiet --universal --python-version 3.11 \
 	--generate-hashes --fork-strategy fewest pyproject.toml
 
-.PHONY: help setup demo shell doctor test test-long check lint rules wheel lock clean
+.PHONY: help setup demo shell doctor test test-long bench check lint rules wheel lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -27,6 +27,9 @@ test: check ## everything: the checks, then all tests, doctests and notebooks
 
 test-long: .venv/.dev ## the tests that take minutes
 	$(PYTEST) -m long --hypothesis-profile=long
+
+bench: .venv/.dev ## measure it beside others and write kb/benchmarks.md (minutes)
+	PYTHONPATH=tests $(BIN)/python -m bench.run kb/benchmarks.md
 
 check: lint rules ## what takes seconds: lint, and the rules with their own tests
 

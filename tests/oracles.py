@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from bench.job import Frame, Thing
 from scipy.spatial import cKDTree
 
+from bench.job import Frame, Thing
 from deixis.frames import Array, Mask
 from deixis.scene import BoxRegion, Label, Scene, SpatialObject, View
 from deixis.thresholds import Thresholds
@@ -51,7 +51,7 @@ _DIRECTIONS = np.concatenate([_LEVEL, [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]], _slan
 
 
 def scenes(count: int, seed: int = 0, together: int = 100) -> Iterator[Scene]:
-    """Yield scenes of random pairs of things, each pair well away from the next: figure, reference, figure ...
+    """Yield scenes of random pairs of things, each well away from the next: figure, reference, figure ...
 
     Blocks, rods, sheets; walls and floors as references; apart, in contact, overlapping, one in the other.
     """
@@ -66,7 +66,7 @@ def scenes(count: int, seed: int = 0, together: int = 100) -> Iterator[Scene]:
 
 
 def _pair(rng: np.random.Generator, name: str, place: Array) -> list[SpatialObject]:
-    half = np.sort(rng.uniform(0.01, 0.14, (2, 3)), axis=0)[:, rng.permutation(3)]
+    half = np.sort(rng.uniform(0.01, 0.12, (2, 3)), axis=0)[:, rng.permutation(3)]
     if rng.random() < 0.15:
         half[0, rng.integers(3)] = rng.choice([0.0, 0.0005, 0.004])
     surface = bool(rng.random() < 0.15)
@@ -78,11 +78,19 @@ def _pair(rng: np.random.Generator, name: str, place: Array) -> list[SpatialObje
     yaw = rng.uniform(-math.pi, math.pi, 2)
     room = half[1] + half[0] + rng.choice([0.0, 0.03, 0.3])
     aside = rng.uniform(-1.0, 1.0, 3) * np.where(rng.random(3) < 0.3, np.abs(half[1] - half[0]), room)
+    if rng.random() < 0.2:
+        # About where a halfspace ends, or begins.
+        axis = rng.integers(3)
+        face = half[1, axis] + half[0, axis]
+        aside *= 0.7
+        aside[axis] = rng.choice([-1.0, 1.0]) * (
+            face + (rng.choice([0.0, 2.4]) + rng.uniform(-0.4, 0.4)) * half[1, axis]
+        )
     cos, sin = math.cos(yaw[1]), math.sin(yaw[1])
-    center = place + [cos * aside[0] - sin * aside[1], sin * aside[0] + cos * aside[1], aside[2]]
+    shift = np.array([cos * aside[0] - sin * aside[1], sin * aside[0] + cos * aside[1], aside[2]])
     label = (Label("thing"),)
     return [
-        SpatialObject(f"a{name}", label, "object", BoxRegion(center, 2.0 * half[0], yaw[0])),
+        SpatialObject(f"a{name}", label, "object", BoxRegion(place + shift, 2.0 * half[0], yaw[0])),
         SpatialObject(
             f"b{name}", label, "surface" if surface else "object", BoxRegion(place, 2.0 * half[1], yaw[1])
         ),
@@ -154,20 +162,24 @@ def _within(points: Array, thing: Thing, grown: float = 0.0) -> Mask:
     """Return which points lie in a thing, or no farther out than it is grown by."""
     cos, sin = math.cos(thing.yaw), math.sin(thing.yaw)
     x, y, z = (points - thing[:3]).T
-    return (
-        (np.abs(cos * x + sin * y) <= thing.hx + grown)
-        & (np.abs(cos * y - sin * x) <= thing.hy + grown)
-        & (np.abs(z) <= thing.hz + grown)
-    )
+    within = np.abs(cos * x + sin * y) <= thing.hx + grown
+    within &= np.abs(cos * y - sin * x) <= thing.hy + grown
+    within &= np.abs(z) <= thing.hz + grown
+    return np.asarray(within)
 
 
 def _distance(a: Thing, b: Thing) -> float:
     one, two = sorted((_shell(a), _shell(b)), key=len)
-    return float(cKDTree(two).query(one)[0].min())
+    return float(_tree(two).query(one)[0].min())
+
+
+def _tree(points: Array) -> cKDTree:
+    """Return an index that is quick to build: it is asked once."""
+    return cKDTree(points, balanced_tree=False, compact_nodes=False)
 
 
 def _parting(a: Thing, b: Thing, bottom_closed: bool, top_closed: bool) -> float:
-    """Return the least translation of a, of all directions tried, that parts a and b; not positive if apart."""
+    """Return the least translation of a, of all directions tried, that parts it from b; negative if apart."""
     allowed = _DIRECTIONS
     if bottom_closed:
         allowed = allowed[allowed[:, 2] >= 0.0]
@@ -206,10 +218,13 @@ def _thick(thing: Thing, granularity: float = Thresholds().granularity) -> Thing
 def _adjacent(a: Thing, b: Thing, inter: Array, granularity: float) -> float:
     """Return the volume of a's points outside b that are no more than D from a point of inter."""
     cells, volume = _cells(_thick(a))
-    outside = cells[~_within(cells, _thick(b))]
-    if not len(outside):
+    other = _thick(b)
+    # Points farther out, or deeper in, have no part in it: left out only to be quick.
+    around = cells[_within(cells, other, granularity) & ~_within(cells, other)]
+    edge = inter[~_within(inter, other, -1.01 * granularity)]
+    if not len(around) or not len(edge):
         return 0.0
-    near = cKDTree(inter).query(outside, distance_upper_bound=granularity)[0] <= granularity
+    near = _tree(edge).query(around, distance_upper_bound=granularity)[0] <= granularity
     return float(near.sum()) * volume
 
 

@@ -22,6 +22,9 @@ from deixis.errors import MissingDependency
 
 REMEDY = "on Debian and Ubuntu: sudo apt install postgresql-postgis"
 
+DEBIAN = Path("/usr/lib/postgresql")
+"""Where Debian keeps the programs of each version of PostgreSQL."""
+
 SETTINGS = {
     "listen_addresses": "",
     "fsync": "off",
@@ -100,21 +103,16 @@ def postgis() -> Iterator[str]:
 
 
 def _programs() -> Path:
-    """Return the folder of initdb and postgres: of the newest version where Debian keeps several."""
-    for folder in sorted(
-        Path("/usr/lib/postgresql").glob("*/bin"), key=lambda path: int(path.parent.name), reverse=True
-    ):
-        if (folder / "initdb").exists() and any(_extensions(folder.parent.name)):
+    """Return the folder of initdb and postgres; with several versions, of the newest that has PostGIS."""
+    folders = sorted(DEBIAN.glob("*/bin"), key=lambda folder: -int(folder.parent.name))
+    for folder in folders:
+        extensions = Path("/usr/share/postgresql", folder.parent.name, "extension")
+        if (folder / "initdb").exists() and (extensions / "postgis_sfcgal.control").exists():
             return folder
     found = shutil.which("initdb")
     if found is None:
-        raise PostgisUnavailable(f"PostgreSQL with PostGIS was not found; {REMEDY}")
+        raise PostgisUnavailable(f"PostgreSQL with PostGIS and SFCGAL was not found; {REMEDY}")
     return Path(found).resolve().parent
-
-
-def _extensions(version: str) -> Iterator[Path]:
-    """Return the control file of the SFCGAL extension of one of Debian's versions of PostgreSQL, if there."""
-    return Path("/usr/share/postgresql", version, "extension").glob("postgis_sfcgal.control")
 
 
 def _user() -> dict[str, Any]:

@@ -110,9 +110,9 @@ def vertical_escapes(
 ) -> tuple[Array, Array]:
     """Return how far the figure would have to rise, and to sink, to leave the reference's height interval.
 
-    What a thing completely contains (up to D, and its middle at all) lies on the thing's bottom, it does not cling to it from
-    below: the way out through the bottom is not counted (infinite), so that a knife in a drawer is in it
-    and a sheet on a table is on it. Surfaces have no inside (decision 0004).
+    What a thing completely contains (up to D, and its middle at all) lies on the thing's bottom, it does
+    not cling to it from below: the way out through the bottom is not counted (infinite), so that a knife in
+    a drawer is in it and a sheet on a table is on it. Surfaces have no inside (decision 0004).
 
     Parameters
     ----------

@@ -6,6 +6,7 @@ are metres in the world frame: right-handed, Z up.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
@@ -14,8 +15,9 @@ from numpy.typing import NDArray
 
 from deixis.boxes import NO_NORMAL, min_bound_box
 from deixis.errors import SceneError
-from deixis.frames import QUARTER, Array
-from deixis.thresholds import MAX_COORDINATE, SNAP
+from deixis.frames import QUARTER, Array, Mask
+from deixis.pieces import Strays, chunks, one_piece
+from deixis.thresholds import MAX_COORDINATE, SNAP, Thresholds
 
 Kind = Literal["object", "surface"]
 
@@ -25,19 +27,30 @@ LEVEL_WITHIN: Final = 10.0
 LINE_WIDTH: Final = 1.0e-6
 """Metres: points whose spread across their main direction is below this lie on one line."""
 
+_FEW: Final = 1024
+"""Points whose box is computed from all of them."""
+
 
 def _fixed(values: Any, columns: int | None, name: str) -> Array:
-    """Return a read-only float64 copy of shape (3,) or (m, 3), refusing what is not finite or too large."""
+    """Return a read-only float64 array of shape (3,) or (m, 3), refusing what is not finite or too large.
+
+    Always in row order, so that sums come out the same however the caller's array lies in memory. A copy,
+    unless nobody else can write to it: a large cloud need not be held twice.
+    """
     try:
-        array = np.array(values, dtype=np.float64)
+        taken = isinstance(values, np.ndarray) and values.dtype == np.float64 and values.flags.c_contiguous
+        taken = taken and values.base is None and not values.flags.writeable
+        array = values if taken else np.array(values, dtype=np.float64, order="C")
     except (TypeError, ValueError) as cause:
         raise SceneError(f"{name} is not an array of numbers: give metres as plain numbers") from cause
     shaped = array.shape == (3,) if columns is None else array.ndim == 2 and array.shape[1] == columns
     if not shaped:
         raise SceneError(f"{name} has the shape {array.shape}: give three numbers for each point")
-    if not np.isfinite(array).all():
+    low, high = (float(array.min()), float(array.max())) if array.size else (0.0, 0.0)
+    # A number that is none is also the least and the greatest.
+    if not (math.isfinite(low) and math.isfinite(high)):
         raise SceneError(f"{name} holds a number that is not finite: drop such points")
-    if array.size and float(np.abs(array).max()) > MAX_COORDINATE:
+    if max(-low, high) > MAX_COORDINATE:
         raise SceneError(f"{name} holds a number beyond {MAX_COORDINATE:g} m: use metres in a local frame")
     array.setflags(write=False)
     return array
@@ -71,14 +84,17 @@ class BoxRegion:
         object.__setattr__(self, "size", _fixed(self.size, None, "the box's size"))
         if (self.size < 0.0).any():
             raise SceneError("the box's size is negative: give full extents, zero or more")
-        if not np.isfinite(self.yaw):
+        if not math.isfinite(self.yaw):
             raise SceneError("the box's yaw is not finite: give radians")
         object.__setattr__(self, "yaw", float(self.yaw))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PointRegion:
-    """A point set, such as a segment of a depth image: ``points`` has shape (m, 3), m >= 1, metres."""
+    """A point set, such as a segment of a depth image: ``points`` has shape (m, 3), m >= 1, metres.
+
+    A read-only float64 array that owns its numbers is taken as it is; any other is copied.
+    """
 
     points: Array
 
@@ -136,7 +152,10 @@ Region = BoxRegion | PointRegion | MeshRegion | SurfaceRegion
 
 @dataclass(frozen=True, slots=True)
 class RegionBox:
-    """The box of one region, as a row of :class:`deixis.boxes.Boxes`, and what had to be bent to get it."""
+    """The box of one region, as a row of :class:`deixis.boxes.Boxes`, and what is odd about it.
+
+    ``keep`` says which points of a point set are in the box; None where all are.
+    """
 
     center: Array
     half: Array
@@ -144,43 +163,107 @@ class RegionBox:
     normal: int
     ambiguous: bool
     note: str = ""
+    keep: Mask | None = None
 
 
-def region_box(region: Region, kind: Kind, granularity: float) -> RegionBox:
+def region_box(region: Region, kind: Kind, limits: Thresholds, strays: Strays = "drop") -> RegionBox:
     """Return the minimum bounding box of a region (axiom 10), with the plane of a surface.
 
     A polygon is a plane: within :data:`LEVEL_WITHIN` degrees of level or of upright it is read as exactly
     that, with its scatter about the plane as its thickness (0 when it is flat). Any other polygon keeps
     its true box and counts as level. A surface given as a box or points has its thinnest axis for normal.
+    A thing's point set is freed of its strays (axiom 3, decision 0015); a surface may be seen in patches.
 
     Parameters
     ----------
     region : Region
     kind : "object" or "surface"
-    granularity : float
-        Metres: a surface bent by more than this is worth a note.
+    limits : Thresholds
+        A surface bent by more than the granularity is worth a note; ``piece_gap`` parts strays.
+    strays : "drop" or "refuse"
+
+    Raises
+    ------
+    GeometryError
+        A thing's point set has strays, and they are to be refused.
 
     Examples
     --------
     >>> floor = SurfaceRegion([[0, 0, 0], [4, 0, 0], [4, 3, 0], [0, 3, 0]])
-    >>> box = region_box(floor, "surface", 0.02)
+    >>> box = region_box(floor, "surface", Thresholds())
     >>> box.normal, box.half.tolist()
     (2, [2.0, 1.5, 0.0])
     """
     if isinstance(region, SurfaceRegion):
-        return _surface_box(region.polygon, granularity)
+        return _surface_box(region.polygon, limits.granularity)
+    note, keep = "", None
     if isinstance(region, BoxRegion):
         center, half, yaw, ambiguous = region.center, 0.5 * region.size, region.yaw, False
+        note = turned_oddly("yaw", yaw)
     elif isinstance(region, PointRegion):
-        center, half, yaw, ambiguous = min_bound_box(region.points)
+        if kind == "object":
+            keep, note = one_piece(region.points, max(limits.piece_gap, limits.granularity), strays)
+        center, half, yaw, ambiguous = min_bound_box(_decisive(region.points, keep))
     else:
         # A vertex that no face uses is no part of the thing.
         center, half, yaw, ambiguous = min_bound_box(region.vertices[np.unique(region.faces)])
-    if kind == "object":
-        return RegionBox(center, half, yaw, NO_NORMAL, ambiguous)
     # A slab as thick as it is wide is more likely a floor than a wall: level wins a tie.
-    normal = min((2, 0, 1), key=lambda axis: float(half[axis]))
-    return RegionBox(center, half, yaw, normal, ambiguous)
+    normal = NO_NORMAL if kind == "object" else min((2, 0, 1), key=lambda axis: float(half[axis]))
+    return RegionBox(center, half, yaw, normal, ambiguous, note, keep)
+
+
+def turned_oddly(name: str, angle: float) -> str:
+    """Return a doubt about an angle of more than a full turn, or nothing."""
+    odd = abs(angle) > 2.0 * math.pi + 1.0e-6
+    return f"{name} {angle:g} is more than a full turn: is the unit degrees?" if odd else ""
+
+
+def part_of(region: Region, keep: Mask | None) -> Region:
+    """Return a region with only those points of a point set that are to be kept; any other as it is."""
+    if keep is None or not isinstance(region, PointRegion):
+        return region
+    points = region.points[keep]
+    points.setflags(write=False)
+    return PointRegion(points)
+
+
+def _decisive(points: Array, keep: Mask | None) -> Array:
+    """Return the points that a minimum box hangs on, in the order given: it is that of all but for rounding.
+
+    They are the corners of the plan's hull, one of the lowest points and one of the highest. Taken chunk by
+    chunk, so that the work needs no memory to speak of.
+    """
+    some = [
+        _corners(part if keep is None else part[keep[start : start + len(part)]])
+        for start, part in chunks(points)
+    ]
+    return np.concatenate(some)
+
+
+def _corners(points: Array) -> Array:
+    if len(points) <= _FEW:
+        return points
+    import shapely
+
+    ring = shapely.get_coordinates(shapely.convex_hull(shapely.linestrings(points[:, :2])))
+    x, y, z = points.T
+    decides = np.isin(x, ring[:, 0]) & np.isin(y, ring[:, 1])
+    decides[[z.argmin(), z.argmax()]] = True
+    return points[decides]
+
+
+def region_values(region: Region) -> dict[str, Any]:
+    """Return a region as it is written in scene format v1."""
+    match region:
+        case BoxRegion() as box:
+            values: dict[str, Any] = {"center": box.center.tolist(), "size": box.size.tolist()}
+            return {"box": {**values, "yaw": box.yaw} if box.yaw else values}
+        case PointRegion() as cloud:
+            return {"points": cloud.points.tolist()}
+        case MeshRegion() as mesh:
+            return {"mesh": {"vertices": mesh.vertices.tolist(), "faces": mesh.faces.tolist()}}
+        case SurfaceRegion() as surface:
+            return {"polygon": surface.polygon.tolist()}
 
 
 def _surface_box(polygon: Array, granularity: float) -> RegionBox:

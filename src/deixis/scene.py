@@ -22,6 +22,7 @@ import numpy as np
 from deixis.boxes import Boxes
 from deixis.errors import DeixisError, SceneError, ThresholdError
 from deixis.frames import WORLD, Array
+from deixis.pieces import Strays
 from deixis.regions import (
     BoxRegion,
     Kind,
@@ -30,7 +31,10 @@ from deixis.regions import (
     Region,
     RegionBox,
     SurfaceRegion,
+    part_of,
     region_box,
+    region_values,
+    turned_oddly,
 )
 from deixis.strict_json import parse, quoted, read_bytes
 from deixis.thresholds import Thresholds
@@ -143,6 +147,8 @@ class Scene:
     thresholds : Thresholds
     diagnostics : tuple of str
         What was found odd or left out on the way in, each a sentence naming its object.
+    strays : "drop" or "refuse"
+        What becomes of the stray pieces of a point cloud (axiom 3, decision 0015).
 
     Raises
     ------
@@ -162,6 +168,7 @@ class Scene:
     views: tuple[View, ...] = ()
     thresholds: Thresholds = field(default_factory=Thresholds)
     diagnostics: tuple[str, ...] = ()
+    strays: Strays = "drop"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "objects", tuple(self.objects))
@@ -221,7 +228,7 @@ class Scene:
             raise SceneError(f"scene {quoted(parts.id)}: {cause}") from cause
         objects = tuple(_object(part, base) for part in parts.objects)
         views = tuple(_view(part) for part in parts.views)
-        scene = cls(parts.id, objects, views, limits)
+        scene = cls(parts.id, objects, views, limits, strays=parts.strays)
         object.__setattr__(scene, "diagnostics", (*diagnostics, *_oddities(scene)))
         return scene
 
@@ -238,12 +245,18 @@ class Scene:
         )
 
     @cached_property
+    def regions(self) -> tuple[Region, ...]:
+        """Return the objects' regions, in their order: point clouds without their strays (axiom 3)."""
+        return tuple(
+            part_of(thing.region, row.keep) for thing, row in zip(self.objects, self._rows, strict=True)
+        )
+
+    @cached_property
     def _rows(self) -> tuple[RegionBox, ...]:
-        granularity = self.thresholds.granularity
         rows = []
         for thing in self.objects:
             try:
-                rows.append(region_box(thing.region, thing.kind, granularity))
+                rows.append(region_box(thing.region, thing.kind, self.thresholds, self.strays))
             except DeixisError as cause:
                 raise SceneError(f"object {quoted(thing.id)}: {cause}") from cause
         return tuple(rows)
@@ -264,6 +277,8 @@ class Scene:
     def to_dict(self) -> dict[str, Any]:
         """Return the scene as JSON values of scene format v1, with all geometry written out."""
         result: dict[str, Any] = {"deixis": 1, "id": self.id}
+        if self.strays != "drop":
+            result["strays"] = self.strays
         result["objects"] = [_object_values(thing) for thing in self.objects]
         result["views"] = [_view_values(view) for view in self.views]
         defaults = dict(Thresholds().items())
@@ -351,17 +366,8 @@ def _oddities(scene: Scene) -> list[str]:
         notes.append(f"object {quoted(thing.id)}: {extents[position]:,.0f} m long: is the unit millimetres?")
     if len(extents) and float(extents.max()) < TINY:
         notes.append(f"scene {quoted(scene.id)}: nothing is longer than 1 mm: is the unit kilometres?")
-    turn = 2.0 * np.pi + 1.0e-6
-    angles = [
-        *(
-            (f"object {quoted(o.id)}: yaw", o.region.yaw)
-            for o in scene.objects
-            if isinstance(o.region, BoxRegion)
-        ),
-        *((f"view {quoted(view.id)}: heading", view.heading) for view in scene.views),
-    ]
-    doubt = "is more than a full turn: is the unit degrees?"
-    return notes + [f"{name} {angle:g} {doubt}" for name, angle in angles if abs(angle) > turn]
+    turns = [(f"view {quoted(view.id)}: ", turned_oddly("heading", view.heading)) for view in scene.views]
+    return notes + [name + note for name, note in turns if note]
 
 
 def _object_values(thing: SpatialObject) -> dict[str, Any]:
@@ -372,18 +378,7 @@ def _object_values(thing: SpatialObject) -> dict[str, Any]:
         values["label"] = thing.label
     elif thing.labels:
         values["labels"] = [{"name": label.name, "score": label.score} for label in thing.labels]
-    match thing.region:
-        case BoxRegion() as box:
-            values["box"] = {"center": box.center.tolist(), "size": box.size.tolist()}
-            if box.yaw:
-                values["box"]["yaw"] = box.yaw
-        case PointRegion() as cloud:
-            values["points"] = cloud.points.tolist()
-        case MeshRegion() as mesh:
-            values["mesh"] = {"vertices": mesh.vertices.tolist(), "faces": mesh.faces.tolist()}
-        case SurfaceRegion() as surface:
-            values["polygon"] = surface.polygon.tolist()
-    return values
+    return values | region_values(thing.region)
 
 
 def _view_values(view: View) -> dict[str, Any]:

@@ -137,7 +137,8 @@ class ObjectPart(_Part):
     box: BoxPart = _optional("The region as a box.")
     points: PointsOrFile = _optional(
         "The region as points, or the path of a .ply, .obj, .stl, .glb or .off file in the scene's folder; "
-        "coordinates are taken as they are, in the world frame."
+        "coordinates are taken as they are, in the world frame. Points sample all of an object, a few "
+        "centimetres apart: see 'strays'."
     )
     mesh: MeshOrFile = _optional("The region as a triangle mesh, or the path of a file as for 'points'.")
     polygon: Annotated[list[Point], Field(min_length=3, fail_fast=True), BeforeValidator(_listed)] = (
@@ -178,6 +179,9 @@ class ThresholdsPart(_Part):
     closeness: Coordinate = _optional("T, metres: at most this distance is near.")
     halfspace_scale: Coordinate = _optional("s: a halfspace is s times the reference's full extent deep.")
     pose_noise: Coordinate = _optional("Metres: an answer with a smaller margin is marked uncertain.")
+    piece_gap: Coordinate = _optional(
+        "Metres: points further apart than this are in one piece only by way of others between them."
+    )
 
 
 class ScenePart(_Part):
@@ -189,6 +193,11 @@ class ScenePart(_Part):
     id: Name = Field(description="Names the scene in answers.")
     objects: list[ObjectPart] = Field(default=[], description="Things and surfaces, in any order.")
     views: list[ViewPart] = Field(default=[], description="Where the scene is seen from.")
+    strays: Literal["drop", "refuse"] = Field(
+        default="drop",
+        description="What becomes of points that are not in one piece with most of their object's: they are "
+        "left out, with a note, or the scene is refused.",
+    )
     thresholds: ThresholdsPart = Field(
         default_factory=ThresholdsPart, description="What is left out keeps its default."
     )

@@ -21,7 +21,7 @@ SNAP_DECIMALS: Final = 9
 
 @dataclass(frozen=True, slots=True)
 class Thresholds:
-    """The thresholds a scene is read with (decisions 0001, 0004, 0009).
+    """The thresholds a scene is read with (decisions 0001, 0004, 0009, 0015).
 
     Parameters
     ----------
@@ -35,6 +35,9 @@ class Thresholds:
         The paper's s (axiom 20), dimensionless: a halfspace is s times the full extent deep.
     pose_noise : float
         Metres: an answer whose margin is smaller is marked uncertain.
+    piece_gap : float
+        Metres: points of a cloud further apart than this, and than D, are in one piece (axiom 3) only by
+        way of others between them.
 
     Raises
     ------
@@ -55,6 +58,7 @@ class Thresholds:
     closeness: float = 1.0
     halfspace_scale: float = 1.2
     pose_noise: float = 0.05
+    piece_gap: float = 0.1
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -25,7 +25,7 @@ RELATIVE = 1.0e-9
 """How far two answers to the same question may differ, as a part of the number."""
 
 LENGTH_ROUNDING, VOLUME_ROUNDING = 0.5e-9, 0.5e-12
-"""Facts are rounded to a nanometre and to a cubic tenth of a millimetre: half of that, metres, cubic metres."""
+"""Facts are rounded to a nanometre and to a thousandth of a cubic millimetre; by half of that at most."""
 
 
 def scattered(count: int, seed: int = 0, closeness: float = 2.0) -> Scene:
@@ -142,7 +142,7 @@ def things(scene: Scene) -> list[Thing]:
 
 
 def solid_things(scene: Scene) -> list[Thing]:
-    """Return the boxes of a scene, none of which may be thinner than D: the competitors know none that are."""
+    """Return the boxes of a scene, none of which may be thinner than D: the competitors know none."""
     listed = things(scene)
     if any(min(thing.hx, thing.hy, thing.hz) < 0.5 * scene.thresholds.granularity for thing in listed):
         raise ValueError("give a scene without things thinner than D")

@@ -8,13 +8,14 @@ of the functions, which PostGIS 3.5 changed.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
-from bench.job import Answers, frames, ordered, solid_things
 from psycopg import Connection
 from psycopg.sql import SQL, Composed, Identifier
 
+from bench.job import Answers, frames, ordered, solid_things
 from deixis.frames import WORLD
 from deixis.scene import Scene
 from deixis.thresholds import SNAP
@@ -87,11 +88,11 @@ parting AS MATERIALIZED (
                            ST_MakePoint(a.x - b.x, a.y - b.y)) AS sideways
         WHERE ST_Intersects(a.plan, b.plan)) AS overlap ON true
     CROSS JOIN LATERAL (SELECT
-        ST_Covers(b.grown, a.plan) AND greatest(a.top - b.top, b.bottom - a.bottom) <= %(d)s
-            AS within,
-        NOT a.surface AND b.z BETWEEN a.bottom AND a.top AND ST_Covers(a.grown, b.plan)
-            AND greatest(b.top - a.top, a.bottom - b.bottom) <= %(d)s AS container) AS held
-    CROSS JOIN LATERAL (SELECT within AND NOT b.surface AND a.z BETWEEN b.bottom AND b.top AS content) AS holding),
+        ST_Covers(b.grown, a.plan) AND greatest(a.top - b.top, b.bottom - a.bottom) <= %(d)s AS within,
+        ST_Covers(a.grown, b.plan) AND greatest(b.top - a.top, a.bottom - b.bottom) <= %(d)s AS holds) AS held
+    CROSS JOIN LATERAL (SELECT
+        within AND NOT b.surface AND a.z BETWEEN b.bottom AND b.top AS content,
+        holds AND NOT a.surface AND b.z BETWEEN a.bottom AND a.top AS container) AS holding),
 pair AS MATERIALIZED (
     SELECT *, CASE WHEN distance > 0 THEN distance ELSE -least(sideways, up, down) END AS separation
     FROM parting),
@@ -99,7 +100,7 @@ pair AS MATERIALIZED (
 shared AS MATERIALIZED (
     SELECT figure, reference, {volume}({intersection}(a.shape, b.shape)) AS volume
     FROM pair JOIN solid AS a ON a.id = figure JOIN solid AS b ON b.id = reference
-    WHERE figure < reference AND separation < -%(snap)s),
+    WHERE figure < reference AND separation < %(asked)s),
 met AS MATERIALIZED (
     SELECT figure, reference, array_agg(view || number) AS sides
     FROM pair
@@ -146,7 +147,7 @@ def names(connection: Connection[Any]) -> dict[str, Identifier]:
         "volume": "volume",
         "intersection": "3dintersection",
     }
-    known = {name for (name,) in connection.execute("SELECT proname FROM pg_proc").fetchall()}
+    known = {row[0] for row in connection.execute("SELECT proname FROM pg_proc").fetchall()}
     prefix = {key: "cg_" if f"cg_{name}" in known else "st_" for key, name in wanted.items()}
     return {key: Identifier(prefix[key] + name) for key, name in wanted.items()}
 
@@ -176,8 +177,11 @@ def statement(connection: Connection[Any]) -> Composed:
     return SQL(STATEMENT).format(**names(connection))
 
 
-def answers(connection: Connection[Any], scene: Scene) -> Answers:
-    """Return the answers to the job for a scene that is loaded."""
+def answers(connection: Connection[Any], scene: Scene, every_volume: bool = False) -> Answers:
+    """Return the answers to the job for a scene that is loaded.
+
+    Volumes are asked of solids that overlap, or of every pair within reach, as the paper's program does.
+    """
     limits = scene.thresholds
     numbers = {
         "d": limits.granularity,
@@ -185,6 +189,7 @@ def answers(connection: Connection[Any], scene: Scene) -> Answers:
         "closeness": limits.closeness,
         "scale": limits.halfspace_scale,
         "snap": SNAP,
+        "asked": math.inf if every_volume else -SNAP,
         "far": FAR,
     }
     rows = connection.execute(statement(connection), numbers).fetchall()

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
-from bench.job import Answers, Frame, Thing, frames, ordered, solid_things
 from shapely.geometry import Polygon
 
+from bench.job import Answers, Frame, Thing, frames, ordered, solid_things
 from deixis.scene import Scene
 from deixis.thresholds import Thresholds
 
@@ -58,9 +58,8 @@ def answers(scene: Scene) -> Answers:
             contained.append(apart < -limits.penetration and _sticks_out(a, b) <= limits.granularity)
             vertical.append(_vertical(a, b, apart, lateral, up, down, limits))
             for view in views:
-                frame = b.frames.get(view)
-                none = [False] * 4
-                sides[view].append(_sides(a, b, frame, apart, limits) if spoken and frame else none)
+                framed = b.frames.get(view) if spoken else None
+                sides[view].append(_sides(a, b, framed, apart, limits) if framed else [False] * 4)
     return Answers(
         np.array(pairs, dtype=np.int64).reshape(-1, 2),
         np.array(separation),
@@ -77,9 +76,7 @@ def _solid(thing: Thing) -> Solid:
     return Solid(thing, corners, Polygon(corners), thing.z - thing.hz, thing.z + thing.hz)
 
 
-def _rectangle(
-    x: float, y: float, yaw: float, left: float, low: float, right: float, high: float
-) -> Corners:
+def _rectangle(x: float, y: float, yaw: float, left: float, low: float, right: float, high: float) -> Corners:
     """Return the corners, in the world, of a rectangle given in a frame."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     own = ((left, low), (right, low), (right, high), (left, high))
@@ -91,9 +88,7 @@ def _distance(a: Solid, b: Solid) -> float:
     return math.hypot(a.plan.distance(b.plan), max(b.bottom - a.top, a.bottom - b.top, 0.0))
 
 
-def _separation(
-    a: Solid, b: Solid, distance: float, limits: Thresholds
-) -> tuple[float, float, float, float]:
+def _separation(a: Solid, b: Solid, distance: float, limits: Thresholds) -> tuple[float, float, float, float]:
     """Return the signed separation, the overlap of the plan views, and the ways out up and down."""
     lateral = min(_overlap(a, b, side) for solid in (a, b) for side in (solid.thing.yaw, _across(solid)))
     # What lies within a container does not leave it through the bottom (decision 0004).
@@ -114,7 +109,7 @@ def _across(solid: Solid) -> float:
 
 
 def _overlap(a: Solid, b: Solid, direction: float) -> float:
-    """Return by how much the shadows of two plan views on a line overlap, in the way that parts them first."""
+    """Return by how much the shadows of two plan views on a line overlap, the shorter way out."""
     cos, sin = math.cos(direction), math.sin(direction)
     one, two = ([cos * x + sin * y for x, y in solid.corners] for solid in (a, b))
     return min(max(one) - min(two), max(two) - min(one))
@@ -124,8 +119,8 @@ def _sticks_out(a: Solid, b: Solid) -> float:
     """Return how far a sticks out of b."""
     cos, sin = math.cos(b.thing.yaw), math.sin(b.thing.yaw)
     out = max(a.top - b.top, b.bottom - a.bottom)
-    for x, y in a.corners:
-        x, y = x - b.thing.x, y - b.thing.y
+    for corner in a.corners:
+        x, y = corner[0] - b.thing.x, corner[1] - b.thing.y
         out = max(out, abs(cos * x + sin * y) - b.thing.hx, abs(cos * y - sin * x) - b.thing.hy)
     return out
 
@@ -139,11 +134,10 @@ def _vertical(
     found = []
     spans = ((a.bottom, a.top, b.top, up, down), (-a.top, -a.bottom, -b.bottom, down, up))
     for near, far, face, escape, other in spans:
-        if not deep and apart <= d:
-            if math.isinf(escape):
-                beyond = near >= face
-            else:
-                beyond = escape <= min(lateral, limits.penetration, other)
+        if not deep and apart <= d and math.isinf(escape):
+            beyond = near >= face
+        elif not deep and apart <= d:
+            beyond = escape <= min(lateral, limits.penetration, other)
         else:
             beyond = far >= face + d or (not deep and near >= face - d)
         found.append(lateral >= 0.5 * d and beyond and near <= face + depth)
