@@ -245,7 +245,7 @@ def test_hostile_ids_are_only_ids(base: PrologEngine, ids: list[str], view: str)
     assert found["figure_reference"] == [tuple(ids)]
     assert found["view_label"] == [(view, ids[0])]
     assert {row[0] for row in found["spatial_obj"]} == set(ids)
-    assert count == 2 + 1 + 3 + (view != "world") + 1 + 5 + 1 + 2 + 2 + 4 + 1
+    assert count == 2 + 1 + 3 + (view != "world") + 1 + len(Thresholds().items()) + 1 + 2 + 2 + 4 + 1
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
@@ -263,4 +263,4 @@ def test_a_scene_without_pairs(base: PrologEngine) -> None:
     world = ViewFacts("world", np.zeros(0, dtype=np.int64), np.zeros((0, 4)), np.zeros((0, 4)))
     nothing = some.pairs.where(np.zeros(2, dtype=np.bool_))
     facts = replace(some, ids=(), labels=(), surface=some.surface[:0], pairs=nothing, views=(world,))
-    assert base.load(facts_text(facts)) == 5
+    assert base.load(facts_text(facts)) == len(Thresholds().items())

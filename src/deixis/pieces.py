@@ -219,7 +219,7 @@ def _unique(parts: Iterable[Index]) -> Index:
 def _sorted_set(numbers: Index) -> Index:
     # numpy's own unique hashes whole numbers first, which takes ten times as long.
     numbers = np.sort(numbers)
-    return numbers[np.r_[True, numbers[1:] != numbers[:-1]][: len(numbers)]]
+    return np.asarray(numbers[np.r_[True, numbers[1:] != numbers[:-1]][: len(numbers)]])
 
 
 def _components(size: int, one: Index | Label, other: Index | Label) -> Label:
