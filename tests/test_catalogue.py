@@ -738,12 +738,10 @@ def test_case_34_a_cloud_many_times_longer_than_is_looked_at_together() -> None:
 
 @pytest.mark.long
 def test_case_34_a_cloud_of_50_million_points() -> None:
-    """Of 1.2 GB: no more than twice as much in all, if it is handed over; a copy comes on top of that."""
+    """Of 1.2 GB: no more than twice as much in all, if it is handed over; a copy comes on top."""
     more, whole = grown(50_000_000, "handed over")
     assert more < 0.5
     assert whole < 2.0
-    more, _ = grown(50_000_000, "copied")
-    assert more < 1.5
 
 
 # 35 and 36: what makes no difference
@@ -801,7 +799,10 @@ def test_case_35_how_arrays_lie_in_memory(layout: str) -> None:
     for thing in other.objects:
         for name in ("points", "vertices", "polygon", "center"):
             array = getattr(thing.region, name, None)
-            assert array is None or (array.dtype == np.float64 and not array.flags.writeable)
+            if array is not None:
+                assert array.dtype == np.float64
+                assert array.flags.c_contiguous
+                assert not array.flags.writeable
 
 
 @pytest.mark.parametrize("kind", [np.int8, np.int16, np.uint32, np.uint64])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +16,11 @@ from deixis.knowledge import KnowledgeBase
 from deixis.prolog import PrologEngine
 from deixis.scene import Scene
 from deixis.vocabulary import BASE, RELATIONS
+from scenes import box, scene, turned
 from worlds import World, worlds
 
 Row = tuple[str, ...]
+Point = tuple[float, float, float]
 Table = dict[str, set[Row]]
 
 SCENES = sorted(path.stem for path in (Path(__file__).parent.parent / "kb" / "scenes").glob("*.json"))
@@ -100,13 +103,45 @@ def differences(one: Table, other: Table) -> dict[str, set[Row]]:
 
 @given(world=worlds(most=6))
 def test_rules_and_columns_agree_on_random_worlds(engine: PrologEngine, world: World) -> None:
-    scene = world.scene()
-    assert not differences(by_rules(engine, scene), by_columns(ground(scene)))
+    it = world.scene()
+    assert not differences(by_rules(engine, it), by_columns(ground(it)))
+
+
+# A block one metre wide and a small cube of 20 cm, at D = 2 cm, P = 4 cm, T = 1 m, s = 1.2.
+BOUNDS = [
+    ("touches", (0.1, 0.2, 1.0 + 0.02 + 0.1), (0.0, 0.0, 1.0)),
+    ("touches", (0.1, 0.2, 1.0 - 0.04 + 0.1), (0.0, 0.0, -1.0)),
+    ("is_close", (0.5 + 1.0 + 0.1, 0.2, 0.5), (1.0, 0.0, 0.0)),
+    ("compl_cont", (0.5 + 0.02 - 0.1, 0.2, 0.5), (1.0, 0.0, 0.0)),
+    ("above", (0.1, 0.2, 1.0 + 2.4 * 0.5 + 0.1), (0.0, 0.0, 1.0)),
+    ("above", (0.5 + 0.1 - 0.01, 0.2, 1.4), (1.0, 0.0, 0.0)),
+    ("behind", (0.5 + 2.4 * 0.5 + 0.1, 0.2, 0.5), (1.0, 0.0, 0.0)),
+    ("left_of", (0.5 + 0.1 - 0.01, 0.9, 0.5), (1.0, 0.0, 0.0)),
+]
+"""A relation, where the cube just satisfies it, and the direction in which it no longer does."""
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, math.pi / 2, -2.1])
+@pytest.mark.parametrize(("relation", "center", "out"), BOUNDS)
+def test_bounds_are_closed(
+    engine: PrologEngine, relation: str, center: Point, out: Point, angle: float
+) -> None:
+    view = {"id": "v0", "position": [-7.0, 0.0, 0.5], "heading": 0.0}
+    for step, holds in ((0.0, True), (-1.0e-6, True), (1.0e-6, False)):
+        cube = box("cube", [c + step * o for c, o in zip(center, out, strict=True)], (0.2, 0.2, 0.2))
+        parts = (box("block", (0, 0, 0.5), (1, 1, 1)), cube, view)
+        block, cube, view_ = (turned(part, angle, (3.7, -1.2, 0.4)) for part in parts)
+        it = scene(block, cube, views=[view_])
+        found, same = by_rules(engine, it), by_columns(ground(it))
+        assert not differences(found, same)
+        names = ("block", "cube") if relation == "compl_cont" else ("cube", "block")
+        viewed = ("v0",) if relation in ("behind", "left_of") else ()
+        assert ((*names, *viewed) in found[relation]) == holds
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_rules_and_columns_agree_on_the_samples(engine: PrologEngine, root: Path, name: str) -> None:
-    scene = Scene.load(root / "kb" / "scenes" / f"{name}.json")
-    found = by_columns(ground(scene))
-    assert not differences(by_rules(engine, scene), found)
+    it = Scene.load(root / "kb" / "scenes" / f"{name}.json")
+    found = by_columns(ground(it))
+    assert not differences(by_rules(engine, it), found)
     assert all(found[relation] for relation in ("on_top_of", "near", "left_of", "affixed_on"))

@@ -158,6 +158,15 @@ def test_horizontal_halfspaces_are_their_definition() -> None:
     """A figure meets a halfspace as kb/conventions.md has it, with the strip cut out by shapely."""
     a, b = random_pairs(5)
     rng = np.random.default_rng(55)
+    # A quarter of them thin and flush: a sheet on a thin wall is on one side of it.
+    flush, axis = rng.random(PAIRS) < 0.25, int(rng.integers(2))
+    cos, sin = np.cos(b.yaw), np.sin(b.yaw)
+    across = rng.uniform(-0.03, 0.03, PAIRS)[:, None] * np.stack(
+        [cos, sin, 0 * cos] if axis == 0 else [-sin, cos, 0 * cos], axis=1
+    )
+    for some in (a, b):
+        some.half[flush, axis] = rng.uniform(0.0, 0.02, flush.sum())
+    a = boxes(np.where(flush[:, None], b.center + across, a.center), a.half, np.where(flush, b.yaw, a.yaw))
     normal = rng.choice([NO_NORMAL, NO_NORMAL, 0, 1, 2], PAIRS)
     apart = rng.choice([-1.0, 0.0], PAIRS)
     there = measures.place(a, b)
