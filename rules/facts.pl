@@ -2,6 +2,7 @@
           [ spatial_obj/1,              % ?Object
             surface/1,                  % ?Object
             label/3,                    % ?Object, ?Name, ?Score
+            measured_as/2,              % ?Object, ?Model
             viewpoint/1,                % ?View
             view_label/2,               % ?View, ?Label
             threshold/2,                % ?Name, ?Value
@@ -31,6 +32,7 @@ Distance = 0.0, Separation = -0.005.
     spatial_obj/1,
     surface/1,
     label/3,
+    measured_as/2,
     viewpoint/1,
     view_label/2,
     threshold/2,
@@ -51,6 +53,11 @@ Distance = 0.0, Separation = -0.005.
 %!  label(?Object, ?Name, ?Score) is nondet.
 %
 %   Object was recognised as a Name with a Score in [0, 1]; the best label comes first.
+
+%!  measured_as(?Object, ?Model) is nondet.
+%
+%   What Object was measured as: its `box`, convex `hull` or `mesh`, or the `outline` of a flat surface. A
+%   thing that has only a box is that box, whatever was asked for.
 
 %!  viewpoint(?View) is nondet.
 %

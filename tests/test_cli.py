@@ -110,7 +110,8 @@ def test_relations_as_json(hans: Path) -> None:
     result = call("relations", hans, "--format", "json")
     assert (result.code, result.err) == (YES, "")
     said = json.loads(result.out)
-    assert list(said) == ["scene", "relations", "withheld"]
+    assert list(said) == ["scene", "measured_as", "relations", "withheld"]
+    assert said["measured_as"]["sweater"] == "box"
     assert said["scene"] == "hans"
     order = {term.name: position for position, term in enumerate(RELATIONS)}
     keys = []
@@ -287,7 +288,7 @@ def test_reasons_as_text(hans: Path) -> None:
 def test_reasons_as_json(hans: Path) -> None:
     result = call("why", hans, "leans_on(extinguisher2, wall)", "--format", "json")
     said = json.loads(result.out)
-    assert (result.code, list(said)) == (YES, ["goal", "holds", "text", "proof", "nearest"])
+    assert (result.code, list(said)) == (YES, ["goal", "holds", "text", "proof", "nearest", "measured_as"])
     assert (said["holds"], said["nearest"]) == (True, None)
     proof = said["proof"]
     assert (proof["predicate"], proof["args"], proof["axiom"]) == ("leans_on", ["extinguisher2", "wall"], 37)

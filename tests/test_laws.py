@@ -345,6 +345,7 @@ def test_how_the_relations_hang_together(answers: Answers, world: World) -> None
     assert of["near"] <= of["is_close"]
     assert of["inside"] <= {(content, container) for container, content in of["compl_cont"]}
     assert of["part_in"] <= of["intersects"]
+    assert not of["part_in"] & {(b, a) for a, b in of["part_in"]}
     assert of["leans_on"] | of["affixed_on"] <= of["touches"]
     assert not of["on_top_of"] & (of["leans_on"] | of["affixed_on"])
     assert not of["leans_on"] & of["below"]

@@ -177,6 +177,8 @@ def some_facts(ids: tuple[str, ...] = ("cup", "it's a table"), view: str = "v 10
         thresholds=Thresholds(),
         pairs=pairs,
         views=(world, seen),
+        region="mesh",
+        models=("mesh", "box"),
     )
 
 
@@ -197,14 +199,15 @@ def test_facts_as_rules_see_them(base: PrologEngine, readable: bool) -> None:
         text = f"[{','.join(clauses)}]"
     base.load(text)
     contract = {
-        "spatial_obj": 1, "surface": 1, "label": 3, "viewpoint": 1, "view_label": 2, "threshold": 2,
-        "figure_reference": 2, "pair": 9, "aspect": 7, "strict": 5, "withheld": 3,
+        "spatial_obj": 1, "surface": 1, "label": 3, "measured_as": 2, "viewpoint": 1, "view_label": 2,
+        "threshold": 2, "figure_reference": 2, "pair": 9, "aspect": 7, "strict": 5, "withheld": 3,
     }  # fmt: skip
     cup, table, view = "cup", "it's a table", "v 100%s"
     assert base.relations(list(contract.items())) == {
         "spatial_obj": [(cup,), (table,)],
         "surface": [(table,)],
         "label": [(cup, "cup", 0.75), (cup, "mug", 0.25), (table, "table", 1.0)],
+        "measured_as": [(cup, "mesh"), (table, "box")],
         "viewpoint": [(view,)],
         "view_label": [(view, 'the "robot"')],
         "threshold": sorted(Thresholds().items()),
@@ -245,7 +248,7 @@ def test_hostile_ids_are_only_ids(base: PrologEngine, ids: list[str], view: str)
     assert found["figure_reference"] == [tuple(ids)]
     assert found["view_label"] == [(view, ids[0])]
     assert {row[0] for row in found["spatial_obj"]} == set(ids)
-    assert count == 2 + 1 + 3 + (view != "world") + 1 + len(Thresholds().items()) + 1 + 2 + 2 + 4 + 1
+    assert count == 2 + 1 + 3 + 2 + (view != "world") + 1 + len(Thresholds().items()) + 1 + 2 + 2 + 4 + 1
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
@@ -262,5 +265,7 @@ def test_a_scene_without_pairs(base: PrologEngine) -> None:
     some = some_facts()
     world = ViewFacts("world", np.zeros(0, dtype=np.int64), np.zeros((0, 4)), np.zeros((0, 4)))
     nothing = some.pairs.where(np.zeros(2, dtype=np.bool_))
-    facts = replace(some, ids=(), labels=(), surface=some.surface[:0], pairs=nothing, views=(world,))
+    facts = replace(
+        some, ids=(), labels=(), models=(), surface=some.surface[:0], pairs=nothing, views=(world,)
+    )
     assert base.load(facts_text(facts)) == len(Thresholds().items())

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deixis import grounding, regrounding
+from deixis import grounding
 from deixis.facts import Facts
 from deixis.regrounding import reground
 from deixis.scene import Scene
@@ -82,7 +82,7 @@ def test_only_the_pairs_of_what_moved_are_measured(monkeypatch: pytest.MonkeyPat
         measured.append(len(args[1]))
         return original(*args)
 
-    monkeypatch.setattr(regrounding, "measure_pairs", count)
+    monkeypatch.setattr(grounding, "measure_pairs", count)
     again = reground(before, facts, scene(*things))
     assert len(measured) == 1
     assert measured[0] < len(facts) / 5

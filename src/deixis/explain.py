@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
+from deixis.facts import SolidModel
 from deixis.thresholds import SNAP_DECIMALS
 
 Kind = Literal["rule", "fact", "comparison", "negation", "conjunction"]
@@ -103,6 +104,12 @@ class Proof:
         listed = ", ".join(reasons[:-1]) + " and " + reasons[-1] if len(reasons) > 1 else reasons[0]
         return f"{head}, because {listed}."
 
+    def things(self) -> Iterator[str]:
+        """Yield all names that the proof speaks of, ids and others, as often as they occur."""
+        yield from (argument for argument in self.args if isinstance(argument, str))
+        for child in self.children:
+            yield from child.things()
+
     def _shown_children(self) -> Iterator[Proof]:
         """Yield the nearest shown reasons below this step."""
         if self.kind == "negation":
@@ -132,21 +139,27 @@ class Answer:
         Where it does not hold, the derivation that comes closest; None where nothing within reach does.
     text : str
         The answer in one sentence.
+    measured_as : mapping of str to str
+        What each thing that the answer speaks of was measured as: its box, hull, mesh or outline.
     """
 
     proof: Proof | None
     nearest: Proof | None
     text: str
+    measured_as: Mapping[str, SolidModel] = field(default_factory=dict)
 
     @classmethod
     def from_dict(cls, reply: Mapping[str, Any]) -> Answer:
-        """Return the answer that the rules' meta-interpreter gave as a dict."""
-        proof, nearest = reply["proof"], reply["nearest"]
-        return cls(
-            None if proof is None else Proof.from_dict(proof),
-            None if nearest is None else Proof.from_dict(nearest),
-            reply["text"],
+        """Return the answer that the rules' meta-interpreter gave as a dict.
+
+        Its ``measured_as`` may tell of more things than the answer speaks of.
+        """
+        proof, nearest = (
+            None if reply[name] is None else Proof.from_dict(reply[name]) for name in ("proof", "nearest")
         )
+        named = {name for one in (proof, nearest) if one is not None for name in one.things()}
+        measured = {name: model for name, model in reply["measured_as"].items() if name in named}
+        return cls(proof, nearest, reply["text"], measured)
 
     def __bool__(self) -> bool:
         return self.proof is not None
@@ -158,4 +171,5 @@ class Answer:
             "text": self.text,
             "proof": None if self.proof is None else self.proof.to_dict(),
             "nearest": None if self.nearest is None else self.nearest.to_dict(),
+            "measured_as": dict(self.measured_as),
         }

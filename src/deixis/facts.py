@@ -8,12 +8,36 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from deixis.errors import QueryError
 from deixis.frames import Array, Index, Mask
 from deixis.thresholds import Thresholds
+
+RegionModel = Literal["box", "hull", "mesh"]
+"""What regions are measured as: boxes, convex hulls, or meshes where there are any (decision 0017)."""
+
+REGION_MODELS: Final[tuple[RegionModel, ...]] = get_args(RegionModel)
+
+SolidModel = Literal["box", "outline", "hull", "mesh"]
+"""What one thing is measured as; an outline is a flat surface with its polygon's own border."""
+
+
+def region_model(name: str) -> RegionModel:
+    """Return the region model of that name.
+
+    Raises
+    ------
+    QueryError
+        There is none.
+    """
+    for model in REGION_MODELS:
+        if name == model:
+            return model
+    raise QueryError(f"no region model {name!r}: known are {', '.join(REGION_MODELS)}")
 
 
 @dataclass(frozen=True)
@@ -137,6 +161,10 @@ class Facts:
         Also reachable column by column: ``facts.separation``.
     views : tuple of ViewFacts
         The world's cardinal directions first, then one per view of the scene.
+    region : "box", "hull" or "mesh"
+        The region model asked for (decision 0017).
+    models : tuple of str
+        What each thing was measured as: ``box``, ``outline``, ``hull`` or ``mesh``.
     """
 
     scene: str
@@ -147,6 +175,8 @@ class Facts:
     thresholds: Thresholds
     pairs: PairColumns
     views: tuple[ViewFacts, ...]
+    region: RegionModel
+    models: tuple[SolidModel, ...]
 
     def __len__(self) -> int:
         return len(self.pairs.figure)

@@ -12,7 +12,7 @@ import numpy as np
 from deixis import halfspaces, measures
 from deixis.boxes import Boxes, align_with_world, contextualise
 from deixis.broadphase import MAX_PAIRS, WORKERS, candidate_rows, reach
-from deixis.facts import Facts, PairColumns, ViewFacts
+from deixis.facts import Facts, PairColumns, RegionModel, SolidModel, ViewFacts, region_model
 from deixis.frames import WORLD, Array, Index, Mask
 from deixis.scene import Scene, View
 from deixis.thresholds import SNAP, SNAP_DECIMALS, Thresholds
@@ -24,7 +24,7 @@ _BLOCK: Final = 16_384
 """Pairs measured at once: their intermediate arrays stay in the cache."""
 
 
-def ground(scene: Scene, *, max_pairs: int = MAX_PAIRS) -> Facts:
+def ground(scene: Scene, *, region: RegionModel = "box", max_pairs: int = MAX_PAIRS) -> Facts:
     """Return the facts of a scene: every ordered pair within reach, measured, for all its views.
 
     A pair is within reach iff its distance is at most T or the reference's halfspaces may extend to the
@@ -35,6 +35,8 @@ def ground(scene: Scene, *, max_pairs: int = MAX_PAIRS) -> Facts:
     ----------
     scene : Scene
         Objects, surfaces and views, metres, world frame.
+    region : "box", "hull" or "mesh"
+        What things are measured as: their boxes, convex hulls, or meshes where they have one (decision 0017).
     max_pairs : int
         The most ordered pairs allowed; about 200 bytes each.
 
@@ -47,6 +49,10 @@ def ground(scene: Scene, *, max_pairs: int = MAX_PAIRS) -> Facts:
     ------
     GeometryError
         More than ``max_pairs`` ordered pairs are within reach.
+    MissingDependency
+        Hulls or meshes are asked for and there are some, but python-fcl is not installed.
+    QueryError
+        There is no such region model.
 
     Examples
     --------
@@ -54,9 +60,9 @@ def ground(scene: Scene, *, max_pairs: int = MAX_PAIRS) -> Facts:
     >>> ground(Scene.from_dict({"deixis": 1, "id": "empty", "objects": [], "views": []})).ids
     ()
     """
+    region = region_model(region)
     boxes, limits = scene.boxes, scene.thresholds
     figure, reference = candidate_rows(boxes, limits, max_pairs)
-    pairs = measure_pairs(boxes, figure, reference, limits)
     facts = Facts(
         scene=scene.id,
         ids=tuple(thing.id for thing in scene.objects),
@@ -64,11 +70,32 @@ def ground(scene: Scene, *, max_pairs: int = MAX_PAIRS) -> Facts:
         surface=boxes.surface,
         volume=boxes.volume(limits.granularity),
         thresholds=limits,
-        pairs=pairs,
+        pairs=measure_scene_pairs(scene, figure, reference, region),
         views=(),
+        region=region,
+        models=solid_models(scene, region),
     )
-    views = [_world(boxes, facts), *(look(scene, facts, view) for view in scene.views)]
+    views = [_world(scene, facts), *(look(scene, facts, view) for view in scene.views)]
     return replace(facts, views=tuple(views))
+
+
+def solid_models(scene: Scene, region: RegionModel) -> tuple[SolidModel, ...]:
+    """Return what each thing of a scene is measured as."""
+    if region == "box":
+        return tuple("box" for _ in scene.objects)
+    from deixis.solids import Solids
+
+    return Solids.of(scene, region).models
+
+
+def measure_scene_pairs(scene: Scene, figure: Index, reference: Index, region: RegionModel) -> PairColumns:
+    """Measure the candidates as what the region model says, and keep those within reach."""
+    pairs = measure_pairs(scene.boxes, figure, reference, scene.thresholds)
+    if region == "box":
+        return pairs
+    from deixis.solids import measure_regions
+
+    return measure_regions(scene, pairs, region)
 
 
 def look(scene: Scene, facts: Facts, view: View) -> ViewFacts:
@@ -87,7 +114,7 @@ def look(scene: Scene, facts: Facts, view: View) -> ViewFacts:
     """
     framed, seen, tie = frame(scene.boxes, view)
     rows = np.flatnonzero(facts.ordered & seen[facts.reference])
-    relaxed, strict = meets_halfspaces(scene.boxes, framed, facts, rows)
+    relaxed, strict = scene_meets_halfspaces(scene, framed, facts, rows)
     return view_facts(view.id, scene.boxes, rows, relaxed, strict, seen, tie)
 
 
@@ -169,11 +196,11 @@ def _measure_block(a: Boxes, b: Boxes, limits: Thresholds, columns: PairColumns,
     columns.vertical_strict[block] = _snap(strict)
 
 
-def _world(boxes: Boxes, facts: Facts) -> ViewFacts:
+def _world(scene: Scene, facts: Facts) -> ViewFacts:
     """Return the cardinal halfspaces (axioms 21-25): the boxes aligned with the world's axes."""
     rows = np.flatnonzero(facts.ordered)
-    framed, tie = align_with_world(boxes)
-    relaxed, strict = meets_halfspaces(boxes, framed, facts, rows)
+    framed, tie = align_with_world(scene.boxes)
+    relaxed, strict = scene_meets_halfspaces(scene, framed, facts, rows)
     return ViewFacts(WORLD, rows, relaxed, strict, (), tuple(np.flatnonzero(tie).tolist()))
 
 
@@ -182,6 +209,16 @@ def _reason(wall: bool) -> str:
     if wall:
         return "the view stands in the plane of this surface, so neither side is its front"
     return "the view stands within the footprint of this reference, so it has no front and sides"
+
+
+def scene_meets_halfspaces(scene: Scene, framed: Boxes, facts: Facts, rows: Index) -> tuple[Array, Array]:
+    """Return the margins along X+, X-, Y+, Y- with the region model of the facts, (q, 4) each."""
+    relaxed, strict = meets_halfspaces(scene.boxes, framed, facts, rows)
+    if facts.region != "box":
+        from deixis.solids import meet_regions
+
+        meet_regions(scene, framed, facts, rows, relaxed, strict)
+    return relaxed, strict
 
 
 def meets_halfspaces(boxes: Boxes, framed: Boxes, facts: Facts, rows: Index) -> tuple[Array, Array]:

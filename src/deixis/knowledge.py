@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any, Self
 from deixis import vocabulary
 from deixis._files import rules_dir
 from deixis.errors import QueryError
-from deixis.facts import Facts
+from deixis.facts import Facts, RegionModel, SolidModel, region_model
 from deixis.grounding import ground
+from deixis.regions import BoxRegion
 from deixis.scene import Scene
 from deixis.thresholds import SNAP_DECIMALS
 from deixis.vocabulary import BASE, RELATIONS
@@ -93,6 +94,8 @@ class KnowledgeBase:
     scene : Scene
     rules : sequence of path
         Rule files of the user's own, loaded after the theory's.
+    region : "box", "hull" or "mesh"
+        What things are measured as: their boxes, convex hulls, or meshes where they have one (decision 0017).
 
     Examples
     --------
@@ -102,15 +105,22 @@ class KnowledgeBase:
     ['heater']
     """
 
-    def __init__(self, scene: Scene, *, rules: Sequence[str | os.PathLike[str]] = ()) -> None:
+    def __init__(
+        self, scene: Scene, *, rules: Sequence[str | os.PathLike[str]] = (), region: RegionModel = "box"
+    ) -> None:
         self.scene = scene
+        self.region = region_model(region)
         self._rules = tuple(Path(path) for path in rules)
         self._engine: PrologEngine | None = None
         self._starting = threading.Lock()
 
     @classmethod
     def from_scene(
-        cls, scene: Scene | str | os.PathLike[str], *, rules: Sequence[str | os.PathLike[str]] = ()
+        cls,
+        scene: Scene | str | os.PathLike[str],
+        *,
+        rules: Sequence[str | os.PathLike[str]] = (),
+        region: RegionModel = "box",
     ) -> KnowledgeBase:
         """Return the knowledge base of a scene, or of the scene file at a path.
 
@@ -119,7 +129,7 @@ class KnowledgeBase:
         SceneError
             The file is not a well-formed scene.
         """
-        return cls(scene if isinstance(scene, Scene) else Scene.load(scene), rules=rules)
+        return cls(scene if isinstance(scene, Scene) else Scene.load(scene), rules=rules, region=region)
 
     def __enter__(self) -> Self:
         return self
@@ -138,7 +148,19 @@ class KnowledgeBase:
     @cached_property
     def facts(self) -> Facts:
         """Return the grounded scene."""
-        return ground(self.scene)
+        return ground(self.scene, region=self.region)
+
+    @property
+    def measured_as(self) -> dict[str, SolidModel]:
+        """Return what each thing was measured as, by its id: a thing that has only a box is that box."""
+        return dict(zip(self.facts.ids, self.facts.models, strict=True))
+
+    @property
+    def box_only(self) -> tuple[str, ...]:
+        """Return the ids of things that have nothing but a box, where more was asked for."""
+        if self.region == "box":
+            return ()
+        return tuple(thing.id for thing in self.scene.objects if isinstance(thing.region, BoxRegion))
 
     @property
     def withheld(self) -> tuple[Withheld, ...]:
@@ -241,7 +263,7 @@ class KnowledgeBase:
             known = [*self.facts.ids, *(view.id for view in self.scene.views)]
             name = reply["unknown"]
             raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{_hint(name, known)}")
-        return Answer.from_dict(reply)
+        return Answer.from_dict({**reply, "measured_as": self.measured_as})
 
     def check_view(self, view: str) -> None:
         """Raise :class:`QueryError` unless the scene has this view."""

@@ -10,9 +10,17 @@ from deixis.boxes import Boxes, align_with_world
 from deixis.broadphase import candidates_of
 from deixis.facts import Facts, PairColumns, ViewFacts
 from deixis.frames import WORLD, Index, Mask
-from deixis.grounding import frame, ground, look, measure_pairs, meets_halfspaces, view_facts
+from deixis.grounding import (
+    frame,
+    ground,
+    look,
+    measure_scene_pairs,
+    scene_meets_halfspaces,
+    solid_models,
+    view_facts,
+)
+from deixis.regions import BoxRegion, MeshRegion, PointRegion, Region, SurfaceRegion
 from deixis.scene import Scene
-from deixis.thresholds import Thresholds
 
 _MANY = 4
 """With more than one in so many things moved, a full run costs no more."""
@@ -41,37 +49,59 @@ def reground(before: Scene, facts: Facts, after: Scene) -> Facts:
     """
     names = tuple(thing.id for thing in after.objects)
     if facts.ids != names or before.thresholds != after.thresholds:
-        return ground(after)
-    boxes, limits = after.boxes, after.thresholds
+        return ground(after, region=facts.region)
+    boxes = after.boxes
     moved = boxes.differs(before.boxes)
+    if facts.region != "box":
+        # Within one and the same box a mesh may be another, or turned over.
+        both = zip(before.objects, after.objects, strict=True)
+        moved |= np.array([not _alike(one.region, other.region) for one, other in both], dtype=np.bool_)
     if _MANY * int(moved.sum()) > len(moved):
-        return ground(after)
-    pairs, origin = _pairs(facts.pairs, boxes, moved, limits)
+        return ground(after, region=facts.region)
+    pairs, origin = _pairs(facts, after, moved)
     base = replace(
         facts,
         scene=after.id,
         labels=tuple(tuple((label.name, label.score) for label in thing.labels) for thing in after.objects),
         surface=boxes.surface,
-        volume=boxes.volume(limits.granularity),
+        volume=boxes.volume(after.thresholds.granularity),
         pairs=pairs,
         views=(),
+        models=solid_models(after, facts.region),
     )
     known = {view.view: view for view in facts.views}
     poses = {view.id: view.position for view in before.views}
     framed, tie = align_with_world(boxes)
-    views = [_again(known[WORLD], boxes, framed, np.ones(len(boxes), dtype=bool), tie, base, origin)]
+    views = [_again(known[WORLD], after, framed, np.ones(len(boxes), dtype=bool), tie, base, origin)]
     for view in after.views:
         if view.id in poses and np.array_equal(poses[view.id], view.position):
-            views.append(_again(known[view.id], boxes, *frame(boxes, view), base, origin))
+            views.append(_again(known[view.id], after, *frame(boxes, view), base, origin))
         else:
             views.append(look(after, base, view))
     return replace(base, views=tuple(views))
 
 
-def _pairs(old: PairColumns, boxes: Boxes, moved: Mask, limits: Thresholds) -> tuple[PairColumns, Index]:
+def _alike(one: Region, other: Region) -> bool:
+    """Return whether two regions are certainly the same."""
+    if one is other:
+        return True
+    if isinstance(one, MeshRegion) and isinstance(other, MeshRegion):
+        same = np.array_equal(one.vertices, other.vertices)
+        return same and np.array_equal(one.faces, other.faces)
+    if isinstance(one, PointRegion) and isinstance(other, PointRegion):
+        return np.array_equal(one.points, other.points)
+    if isinstance(one, SurfaceRegion) and isinstance(other, SurfaceRegion):
+        return np.array_equal(one.polygon, other.polygon)
+    # Of boxes the boxes tell.
+    return isinstance(one, BoxRegion) and isinstance(other, BoxRegion)
+
+
+def _pairs(facts: Facts, after: Scene, moved: Mask) -> tuple[PairColumns, Index]:
     """Return the pair table of now, and for each row the row it was before, -1 for those measured anew."""
+    old, boxes, limits = facts.pairs, after.boxes, after.thresholds
     kept = np.flatnonzero(~(moved[old.figure] | moved[old.reference]))
-    new = measure_pairs(boxes, *candidates_of(boxes, limits, np.flatnonzero(moved)), limits)
+    candidates = candidates_of(boxes, limits, np.flatnonzero(moved))
+    new = measure_scene_pairs(after, *candidates, facts.region)
     n = max(len(boxes), 1)
     keys = np.concatenate([old.figure[kept] * n + old.reference[kept], new.figure * n + new.reference])
     order = np.argsort(keys, kind="stable")
@@ -80,7 +110,7 @@ def _pairs(old: PairColumns, boxes: Boxes, moved: Mask, limits: Thresholds) -> t
 
 
 def _again(
-    old: ViewFacts, boxes: Boxes, framed: Boxes, seen: Mask, tie: Mask, base: Facts, origin: Index
+    old: ViewFacts, after: Scene, framed: Boxes, seen: Mask, tie: Mask, base: Facts, origin: Index
 ) -> ViewFacts:
     """Return a view's facts where only things moved: known margins are kept, the others measured."""
     rows = np.flatnonzero(base.ordered & seen[base.reference])
@@ -92,5 +122,5 @@ def _again(
     fresh = np.flatnonzero(source < 0)
     relaxed, strict = np.empty((len(rows), 4)), np.empty((len(rows), 4))
     relaxed[known], strict[known] = old.int_hs[source[known]], old.cont_hs[source[known]]
-    relaxed[fresh], strict[fresh] = meets_halfspaces(boxes, framed, base, rows[fresh])
-    return view_facts(old.view, boxes, rows, relaxed, strict, seen, tie)
+    relaxed[fresh], strict[fresh] = scene_meets_halfspaces(after, framed, base, rows[fresh])
+    return view_facts(old.view, after.boxes, rows, relaxed, strict, seen, tie)

@@ -5,12 +5,15 @@ from __future__ import annotations
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from deixis import __version__
 from deixis.cli.output import Format, printable, printable_lines, records, write_csv, write_json, write_table
+
+if TYPE_CHECKING:
+    from deixis.knowledge import KnowledgeBase
 
 app = typer.Typer(
     name="deixis",
@@ -22,12 +25,31 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+
+class Region(StrEnum):
+    """Region models, as :data:`deixis.facts.RegionModel`, which takes longer to import."""
+
+    BOX = "box"
+    HULL = "hull"
+    MESH = "mesh"
+
+
 ScenePath = Annotated[
     Path, typer.Argument(metavar="SCENE", help="A scene file (see `deixis import` for other formats).")
+]
+RegionOption = Annotated[
+    Region,
+    typer.Option(
+        "--region",
+        help="What things are measured as: their boxes, convex hulls, or meshes where they have any.",
+    ),
 ]
 Seconds = Annotated[float, typer.Option("--timeout", min=0.001, help="Seconds before giving up.")]
 
 RELATION_COLUMNS = ("relation", "figure", "reference", "view", "margin")
+
+_NAMED = 5
+"""Things named in a message before it is cut short."""
 
 
 class TextOrJson(StrEnum):
@@ -52,6 +74,20 @@ def _options(
     pass
 
 
+def _open(scene: Path, region: Region) -> KnowledgeBase:
+    """Return the knowledge base of a scene file; say on stderr what its readers should know."""
+    from deixis.knowledge import KnowledgeBase
+
+    kb = KnowledgeBase.from_scene(scene, region=region.value)
+    _warn(kb.scene.diagnostics)
+    if kb.box_only:
+        some = ", ".join(kb.box_only[:_NAMED]) + (" ..." if len(kb.box_only) > _NAMED else "")
+        _warn(
+            [f"{len(kb.box_only)} of {len(kb.scene.objects)} have only a box and are measured as it: {some}"]
+        )
+    return kb
+
+
 def _warn(messages: Any) -> None:
     for message in messages:
         print(f"deixis: {printable(message)}", file=sys.stderr)
@@ -62,19 +98,18 @@ def relations(
     scene: ScenePath,
     view: Annotated[str | None, typer.Option(help="Only this view's horizontal relations.")] = None,
     relation: Annotated[list[str] | None, typer.Option(help="Only this relation; may be repeated.")] = None,
+    region: RegionOption = Region.BOX,
     output: Annotated[Format, typer.Option("--format", help="How to print them.")] = Format.TABLE,
     timeout: Seconds = 60.0,
 ) -> None:
     """Print the relations that hold in a scene, each with its margin in metres."""
-    from deixis.knowledge import KnowledgeBase
-
-    with KnowledgeBase.from_scene(scene) as kb:
+    with _open(scene, region) as kb:
         found = kb.relations(view=view, relation=relation, timeout=timeout)
-        _warn(kb.scene.diagnostics)
         if output is Format.JSON:
             write_json(
                 {
                     "scene": kb.scene.id,
+                    "measured_as": kb.measured_as,
                     "relations": [one.to_dict() for one in found],
                     "withheld": [one.to_dict() for one in kb.withheld if view in (None, one.view)],
                 }
@@ -96,13 +131,11 @@ def relations(
 @app.command()
 def facts(
     scene: ScenePath,
+    region: RegionOption = Region.BOX,
     output: Annotated[Format, typer.Option("--format", help="How to print them.")] = Format.TABLE,
 ) -> None:
     """Print what was measured: one row for each ordered pair within reach."""
-    from deixis.knowledge import KnowledgeBase
-
-    kb = KnowledgeBase.from_scene(scene)
-    _warn(kb.scene.diagnostics)
+    kb = _open(scene, region)
     if output is Format.PL:
         sys.stdout.write(kb.facts_text())
         return
@@ -112,6 +145,7 @@ def facts(
             {
                 "scene": kb.scene.id,
                 "thresholds": dict(kb.scene.thresholds.items()),
+                "measured_as": kb.measured_as,
                 "facts": rows,
                 "withheld": [one.to_dict() for one in kb.withheld],
             }
@@ -127,6 +161,7 @@ def facts(
 def ask(
     scene: ScenePath,
     goal: Annotated[str, typer.Argument(metavar="GOAL", help="A Prolog goal, e.g. 'on_top_of(X, table)'.")],
+    region: RegionOption = Region.BOX,
     output: Annotated[
         TextOrJson, typer.Option("--format", help="How to print the answers.")
     ] = TextOrJson.TEXT,
@@ -134,10 +169,9 @@ def ask(
     timeout: Seconds = 10.0,
 ) -> None:
     """Answer a question; exit code 0 when there is an answer, 1 when there is none."""
-    from deixis.knowledge import KnowledgeBase
     from deixis.prolog import Variable, term_json, term_text
 
-    with KnowledgeBase.from_scene(scene) as kb:
+    with _open(scene, region) as kb:
         answers = kb.ask(goal, limit=limit, timeout=timeout)
     if output is TextOrJson.JSON:
         write_json(
@@ -168,13 +202,12 @@ def ask(
 def why(
     scene: ScenePath,
     goal: Annotated[str, typer.Argument(metavar="GOAL", help="A relation, e.g. 'leans_on(ladder, wall)'.")],
+    region: RegionOption = Region.BOX,
     output: Annotated[TextOrJson, typer.Option("--format", help="How to print the proof.")] = TextOrJson.TEXT,
     timeout: Seconds = 10.0,
 ) -> None:
     """Explain why a relation holds, down to the measured numbers; exit code 1 when it does not hold."""
-    from deixis.knowledge import KnowledgeBase
-
-    with KnowledgeBase.from_scene(scene) as kb:
+    with _open(scene, region) as kb:
         answer = kb.why(goal, timeout=timeout)
     if output is TextOrJson.JSON:
         write_json({"goal": goal, **answer.to_dict()})
@@ -187,13 +220,12 @@ def why(
 
 
 @app.command()
-def shell(scene: ScenePath) -> None:
+def shell(scene: ScenePath, region: RegionOption = Region.BOX) -> None:
     """Open SWI-Prolog with a scene and the rules loaded."""
-    from deixis.knowledge import KnowledgeBase, theory_files
+    from deixis.knowledge import theory_files
     from deixis.prolog.shell import exec_shell
 
-    kb = KnowledgeBase.from_scene(scene)
-    _warn(kb.scene.diagnostics)
+    kb = _open(scene, region)
     exec_shell(theory_files(), kb.facts_text(readable=False))
 
 

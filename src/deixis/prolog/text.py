@@ -61,6 +61,7 @@ def facts_text(facts: Facts, views: Sequence[tuple[str, str]] = (), *, readable:
         if is_surface:
             chunks.append(f"surface({name})")
         chunks += [f"label({name},{atom(label)},{number(float(score))})" for label, score in ranked]
+    chunks += [f"measured_as({name},{model})" for name, model in zip(table.ids, facts.models, strict=True)]
     chunks += [f"viewpoint({atom(view.view)})" for view in facts.views if view.view != WORLD]
     chunks += [f"view_label({atom(view)},{atom(label)})" for view, label in views]
     chunks += [f"threshold({atom(name)},{number(value)})" for name, value in facts.thresholds.items()]
