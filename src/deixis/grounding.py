@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Final
 
@@ -11,17 +9,15 @@ import numpy as np
 
 from deixis import halfspaces, measures
 from deixis.boxes import Boxes, align_with_world, contextualise
-from deixis.broadphase import MAX_PAIRS, WORKERS, candidate_rows, reach
+from deixis.broadphase import MAX_PAIRS, candidate_rows, reach
 from deixis.facts import Facts, PairColumns, ViewFacts
 from deixis.frames import WORLD, Array, Index, Mask
+from deixis.locality import Neighbourhood, Rows
 from deixis.scene import Scene, View
 from deixis.thresholds import SNAP, SNAP_DECIMALS, Thresholds
 
 ORDER_TOLERANCE: Final = 1.0e-6
 """Relative difference of volume below which two things are equally large, each a reference of the other."""
-
-_BLOCK: Final = 16_384
-"""Pairs measured at once: their intermediate arrays stay in the cache."""
 
 
 def ground(scene: Scene, *, max_pairs: int = MAX_PAIRS) -> Facts:
@@ -55,8 +51,7 @@ def ground(scene: Scene, *, max_pairs: int = MAX_PAIRS) -> Facts:
     ()
     """
     boxes, limits = scene.boxes, scene.thresholds
-    figure, reference = candidate_rows(boxes, limits, max_pairs)
-    pairs = measure_pairs(boxes, figure, reference, limits)
+    pairs = measure_pairs(boxes, *candidate_rows(boxes, limits, max_pairs), limits)
     facts = Facts(
         scene=scene.id,
         ids=tuple(thing.id for thing in scene.objects),
@@ -111,37 +106,27 @@ def _snap(values: Array) -> Array:
     return np.round(values, SNAP_DECIMALS) + 0.0
 
 
-def _in_blocks(count: int, work: Callable[[slice], None]) -> None:
-    """Do the work for all rows, block by block, on all processors."""
-    blocks = [slice(start, min(start + _BLOCK, count)) for start in range(0, count, _BLOCK)]
-    if len(blocks) <= 1:
-        for block in blocks:
-            work(block)
-        return
-    with ThreadPoolExecutor(WORKERS) as pool:
-        for _ in pool.map(work, blocks):
-            pass
-
-
 def measure_pairs(boxes: Boxes, figure: Index, reference: Index, limits: Thresholds) -> PairColumns:
     """Measure the candidates and keep those within reach."""
     columns = PairColumns.empty(figure, reference)
     keep = np.empty(len(figure), dtype=np.bool_)
     d = limits.granularity
+    neighbourhood = Neighbourhood(boxes)
+    table = neighbourhood.table(boxes)
 
-    def work(block: slice) -> None:
-        a, b = boxes.take(figure[block]), boxes.take(reference[block])
+    def work(block: Rows) -> None:
+        a, b = table(figure[block]), table(reference[block])
         _measure_block(a, b, limits, columns, block)
         ordered = ~a.surface & (b.surface | (b.volume(d) >= a.volume(d) * (1.0 - ORDER_TOLERANCE)))
         columns.ordered[block] = ordered
         apart = columns.separation[block]
         keep[block] = (apart <= limits.closeness) | (ordered & (apart <= reach(b, limits)))
 
-    _in_blocks(len(figure), work)
-    return columns.where(keep)
+    neighbourhood.for_blocks(figure, work)
+    return columns.squeezed(keep)
 
 
-def _measure_block(a: Boxes, b: Boxes, limits: Thresholds, columns: PairColumns, block: slice) -> None:
+def _measure_block(a: Boxes, b: Boxes, limits: Thresholds, columns: PairColumns, block: Rows) -> None:
     """Fill in the view-independent columns of some rows, with figures a and references b."""
     d = limits.granularity
     there = measures.place(a, b)
@@ -186,15 +171,18 @@ def _reason(wall: bool) -> str:
 
 def meets_halfspaces(boxes: Boxes, framed: Boxes, facts: Facts, rows: Index) -> tuple[Array, Array]:
     """Return the margins along X+, X-, Y+, Y- of references in their frames, (q, 4) each."""
-    figure, reference, apart = facts.figure[rows], facts.reference[rows], facts.separation[rows]
+    figure = facts.figure[rows]
     relaxed, strict = np.empty((len(rows), 4)), np.empty((len(rows), 4))
+    neighbourhood = Neighbourhood(boxes)
+    figures, references = neighbourhood.table(boxes), neighbourhood.table(framed)
 
-    def work(block: slice) -> None:
-        a, b = boxes.take(figure[block]), framed.take(reference[block])
+    def work(block: Rows) -> None:
+        some = rows[block]
+        a, b = figures(figure[block]), references(facts.reference[some])
         meets, within = halfspaces.meets_horizontal(
-            measures.place(a, b), a.half, b.half, b.normal, apart[block], facts.thresholds
+            measures.place(a, b), a.half, b.half, b.normal, facts.separation[some], facts.thresholds
         )
         relaxed[block], strict[block] = _snap(meets), _snap(within)
 
-    _in_blocks(len(rows), work)
+    neighbourhood.for_blocks(figure, work)
     return relaxed, strict
