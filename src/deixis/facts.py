@@ -91,16 +91,16 @@ class PairColumns:
 
     @classmethod
     def empty(cls, figure: Index, reference: Index) -> PairColumns:
-        """Return columns for these pairs, to be filled in."""
+        """Return columns for these pairs, to be filled in; the volumes are 0 already."""
         p = len(figure)
         return cls(
             figure,
             reference,
             np.empty(p),
             np.empty((p, 3), dtype=np.float32),
+            np.zeros(p),
             np.empty(p),
-            np.empty(p),
-            np.empty(p),
+            np.zeros(p),
             np.empty((p, 2)),
             np.empty((p, 2)),
             np.empty(p, dtype=np.bool_),

@@ -110,48 +110,56 @@ def measure_pairs(boxes: Boxes, figure: Index, reference: Index, limits: Thresho
     """Measure the candidates and keep those within reach."""
     columns = PairColumns.empty(figure, reference)
     keep = np.empty(len(figure), dtype=np.bool_)
-    d = limits.granularity
+    furthest, volume = reach(boxes, limits), boxes.volume(limits.granularity)
     neighbourhood = Neighbourhood(boxes)
     table = neighbourhood.table(boxes)
 
     def work(block: Rows) -> None:
-        a, b = table(figure[block]), table(reference[block])
+        i, j = figure[block], reference[block]
+        a, b = table(i), table(j)
         _measure_block(a, b, limits, columns, block)
-        ordered = ~a.surface & (b.surface | (b.volume(d) >= a.volume(d) * (1.0 - ORDER_TOLERANCE)))
+        ordered = ~a.surface & (b.surface | (volume[j] >= volume[i] * (1.0 - ORDER_TOLERANCE)))
         columns.ordered[block] = ordered
         apart = columns.separation[block]
-        keep[block] = (apart <= limits.closeness) | (ordered & (apart <= reach(b, limits)))
+        keep[block] = (apart <= limits.closeness) | (ordered & (apart <= furthest[j]))
 
     neighbourhood.for_blocks(figure, work)
+    # Few overlap: what only they have is measured of them together.
+    deep = np.flatnonzero(columns.separation < 0.0)
+    figures = figure[deep]
+
+    def overlap(block: Rows) -> None:
+        rows = deep[block]
+        _overlap_block(table(figures[block]), table(reference[rows]), limits.granularity, columns, rows)
+
+    neighbourhood.for_blocks(figures, overlap)
     return columns.squeezed(keep)
 
 
 def _measure_block(a: Boxes, b: Boxes, limits: Thresholds, columns: PairColumns, block: Rows) -> None:
-    """Fill in the view-independent columns of some rows, with figures a and references b."""
-    d = limits.granularity
+    """Fill in the view-independent columns of some rows, but for overlaps, with figures a, references b."""
     there = measures.place(a, b)
-    up, down = measures.vertical_escapes(there, a.half, b.half, a.surface, b.surface, d)
+    up, down = measures.vertical_escapes(there, a.half, b.half, a.surface, b.surface, limits.granularity)
     signed, local = measures.separation(there, a.half, b.half, up, down)
     signed = _snap(signed)
     columns.separation[block] = signed
     columns.normal[block, 0] = b.cos * local[:, 0] - b.sin * local[:, 1]
     columns.normal[block, 1] = b.sin * local[:, 0] + b.cos * local[:, 1]
     columns.normal[block, 2] = local[:, 2]
-    shared, frontier = np.zeros(len(a)), np.zeros(len(a))
-    deep = np.flatnonzero(signed < 0.0)
-    if len(deep):
-        pair, back = there.take(deep), there.reversed().take(deep)
-        half_a, half_b = a.half[deep], b.half[deep]
-        thick_a, thick_b = np.maximum(half_a, 0.5 * d), np.maximum(half_b, 0.5 * d)
-        shared[deep] = measures.intersection_volume(pair, half_a, half_b)
-        # Points of a adjacent to inter: D times the area of b's surface inside a.
-        frontier[deep] = d * measures.surface_inside(back, thick_b, thick_a, d)
-    columns.intersection[block] = np.round(shared, 12)
-    columns.frontier[block] = np.round(frontier, 12)
     columns.protrusion[block] = _snap(measures.protrusion(there, a.half, b.half))
     relaxed, strict = halfspaces.meets_vertical(there, a.half, b.half, b.normal, signed, up, down, limits)
     columns.vertical[block] = _snap(relaxed)
     columns.vertical_strict[block] = _snap(strict)
+
+
+def _overlap_block(a: Boxes, b: Boxes, d: float, columns: PairColumns, rows: Index) -> None:
+    """Fill in what there is to measure of rows that overlap, with figures a, references b, granularity d."""
+    there = measures.place(a, b)
+    thick_a, thick_b = np.maximum(a.half, 0.5 * d), np.maximum(b.half, 0.5 * d)
+    columns.intersection[rows] = np.round(measures.intersection_volume(there, a.half, b.half), 12)
+    # Points of a adjacent to inter: D times the area of b's surface inside a.
+    frontier = d * measures.surface_inside(there.reversed(), thick_b, thick_a, d)
+    columns.frontier[rows] = np.round(frontier, 12)
 
 
 def _world(boxes: Boxes, facts: Facts) -> ViewFacts:

@@ -14,7 +14,7 @@ from deixis.parallel import WORKERS, share
 Rows = slice | Index
 """Rows of a table: a stretch of it, or rows here and there."""
 
-_BLOCK: Final = 16_384
+_BLOCK: Final = 8_192
 """Pairs worked on at once, at most: their intermediate arrays stay in the cache."""
 
 _SPREAD: Final = 16_384
@@ -64,7 +64,7 @@ class Neighbourhood:
         count = len(figure)
         # As many blocks as processors, or a multiple, so that all are done at the same time.
         rounds = -(-count // (WORKERS * _BLOCK))
-        size = max(-(-count // max(rounds * WORKERS, 1)), _BLOCK // 4)
+        size = max(-(-count // max(rounds * WORKERS, 1)), _BLOCK // 2)
         blocks = [(start, min(start + size, count)) for start in range(0, count, size)]
         if not self._spread or len(blocks) <= WORKERS or (figure[1:] < figure[:-1]).any():
             share(lambda block: work(slice(*block)), blocks)

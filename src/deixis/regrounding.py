@@ -46,7 +46,7 @@ def reground(before: Scene, facts: Facts, after: Scene) -> Facts:
     moved = boxes.differs(before.boxes)
     if _MANY * int(moved.sum()) > len(moved):
         return ground(after)
-    pairs, origin = _pairs(facts.pairs, boxes, moved, limits)
+    pairs, origin = _pairs(facts.pairs, boxes, moved, limits) if moved.any() else (facts.pairs, None)
     base = replace(
         facts,
         scene=after.id,
@@ -58,13 +58,20 @@ def reground(before: Scene, facts: Facts, after: Scene) -> Facts:
     )
     known = {view.view: view for view in facts.views}
     poses = {view.id: view.position for view in before.views}
-    framed, tie = align_with_world(boxes)
-    views = [_again(known[WORLD], boxes, framed, np.ones(len(boxes), dtype=bool), tie, base, origin)]
+    views = []
+    if origin is None:
+        views.append(known[WORLD])
+    else:
+        framed, tie = align_with_world(boxes)
+        seen = np.ones(len(boxes), dtype=bool)
+        views.append(_again(known[WORLD], boxes, framed, seen, tie, base, origin))
     for view in after.views:
-        if view.id in poses and np.array_equal(poses[view.id], view.position):
-            views.append(_again(known[view.id], boxes, *frame(boxes, view), base, origin))
-        else:
+        if view.id not in poses or not np.array_equal(poses[view.id], view.position):
             views.append(look(after, base, view))
+        elif origin is None:
+            views.append(known[view.id])
+        else:
+            views.append(_again(known[view.id], boxes, *frame(boxes, view), base, origin))
     return replace(base, views=tuple(views))
 
 
