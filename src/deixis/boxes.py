@@ -85,7 +85,11 @@ class Boxes:
             columns[:3].T, columns[3:6].T, columns[8], self.normal.take(index), self.ambiguous.take(index)
         )
         # Gathered, not computed again: cached_property looks here first.
-        some.__dict__["cos"], some.__dict__["sin"], some.__dict__["_columns"] = columns[6], columns[7], columns
+        some.__dict__["cos"], some.__dict__["sin"], some.__dict__["_columns"] = (
+            columns[6],
+            columns[7],
+            columns,
+        )
         return some
 
     def differs(self, other: Boxes) -> Mask:

@@ -92,15 +92,15 @@ def candidate_rows(boxes: Boxes, limits: Thresholds, max_pairs: int = MAX_PAIRS)
     if n <= _SMALL:
         i, j = np.triu_indices(n, 1)
         near = _gap_squared(boxes.center, around, i, j) <= np.maximum(limit[i], limit[j]) ** 2
-        i, j = i[near], j[near]
+        keys = _keys(i[near], j[near])
     else:
-        i, j = _indexed(boxes.center, around, limit, limits.halfspace_scale, max_pairs)
-    if 2 * len(i) > max_pairs:
+        keys = _indexed(boxes.center, around, limit, limits.halfspace_scale, max_pairs)
+    if len(keys) > max_pairs:
         raise GeometryError(
             f"more than {max_pairs} ordered pairs are within reach of each other: "
             "lower the closeness threshold, or ground the scene in parts"
         )
-    return _both_orders(i, j)
+    return _sorted_pairs(keys)
 
 
 def candidates_of(boxes: Boxes, limits: Thresholds, some: Index) -> tuple[Index, Index]:
@@ -116,14 +116,20 @@ def candidates_of(boxes: Boxes, limits: Thresholds, some: Index) -> tuple[Index,
     seen = np.zeros(n, dtype=np.bool_)
     seen[some] = True
     once = ~seen[j] | (i < j)
-    return _both_orders(i[once], j[once])
+    return _sorted_pairs(_keys(i[once], j[once]))
 
 
-def _both_orders(i: Index, j: Index) -> tuple[Index, Index]:
-    """Return the ordered pairs, both of each unordered one, in lexicographic order."""
-    keys = np.concatenate([i << _BITS | j, j << _BITS | i])
+def _keys(i: Index, j: Index) -> Index:
+    """Return a number for each ordered pair, both of each unordered one."""
+    return np.concatenate([i << _BITS | j, j << _BITS | i])
+
+
+def _sorted_pairs(keys: Index) -> tuple[Index, Index]:
+    """Return the ordered pairs of these numbers in lexicographic order, in part in the same memory."""
     keys.sort()
-    return keys >> _BITS, keys & ((1 << _BITS) - 1)
+    figure = keys >> _BITS
+    keys &= (1 << _BITS) - 1
+    return figure, keys
 
 
 def _around(boxes: Boxes, limits: Thresholds) -> Array:
@@ -145,10 +151,8 @@ def _gap_squared(center: Array, around: Array, i: Index, j: Index) -> Array:
     return result
 
 
-def _indexed(
-    center: Array, around: Array, limit: Array, scale: float, max_pairs: int
-) -> tuple[Index, Index]:
-    """Return the unordered pairs within reach; the farther-reaching of two things finds both.
+def _indexed(center: Array, around: Array, limit: Array, scale: float, max_pairs: int) -> Index:
+    """Return the numbers of the pairs within reach; the farther-reaching of two things finds both.
 
     The plan is cut into strips along X. Things are sorted by strip and by X within it, so that those whose
     centre lies in a window are one run in each of its strips.
@@ -173,7 +177,7 @@ def _indexed(
     right = np.minimum(x + window[:, 0], extent[0] - 1.0) + 0.02
     center, around, limit = center[order], around[order], limit[order]
     squared = limit**2
-    found: list[tuple[Index, Index]] = []
+    found: list[Index] = []
 
     def search(part: tuple[int, int]) -> None:
         asking = np.arange(*part)
@@ -184,16 +188,16 @@ def _indexed(
         size = np.searchsorted(key, base + right[asking], "right") - first
         for some in _slices(size, _HITS):
             # More than that is refused; to go on would only cost memory.
-            if 2 * sum(len(one) for one, _ in found) > max_pairs:
+            if sum(map(len, found)) > max_pairs:
                 return
             one, two = np.repeat(asking[some], size[some]), runs(first[some], size[some])
             farther = np.flatnonzero((limit[one] > limit[two]) | ((limit[one] == limit[two]) & (one < two)))
             one, two = one[farther], two[farther]
             near = np.flatnonzero(_gap_squared(center, around, one, two) <= squared[one])
-            found.append((order[one[near]], order[two[near]]))
+            found.append(_keys(order[one[near]], order[two[near]]))
 
     share(search, [(part.start, part.stop) for part in _slices(highest - lowest + 1, _RANGES)])
-    return np.concatenate([one for one, _ in found]), np.concatenate([two for _, two in found])
+    return np.concatenate(found)
 
 
 def _slices(cost: Index, most: int) -> list[slice]:

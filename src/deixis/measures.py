@@ -220,9 +220,11 @@ def _corner_gap(placement: Placement, half_a: Array, half_b: Array) -> tuple[Arr
     left = placement.x - along_x, placement.y - along_y
     best = gap_x = gap_y = np.empty(0)
     # The corners in the order of _SIGNS; of equally near ones the first is taken.
-    for number, ((x, y), left_of) in enumerate(((right, True), (left, True), (left, False), (right, False))):
-        x, y = (x - across_x, y + across_y) if left_of else (x + across_x, y - across_y)
-        x, y = _beyond(x, half_b[:, 0]), _beyond(y, half_b[:, 1])
+    for number, ((at_x, at_y), add) in enumerate(
+        ((right, True), (left, True), (left, False), (right, False))
+    ):
+        x = _beyond(at_x - across_x if add else at_x + across_x, half_b[:, 0])
+        y = _beyond(at_y + across_y if add else at_y - across_y, half_b[:, 1])
         squared = x * x
         squared += y * y
         if number == 0:
