@@ -264,7 +264,7 @@ def test_numbers_that_would_match_anything_are_refused(column: str, value: float
 def test_a_scene_without_pairs(base: PrologEngine) -> None:
     some = some_facts()
     world = ViewFacts("world", np.zeros(0, dtype=np.int64), np.zeros((0, 4)), np.zeros((0, 4)))
-    nothing = some.pairs.where(np.zeros(2, dtype=np.bool_))
+    nothing = some.pairs.at(np.zeros(0, dtype=np.int64))
     facts = replace(
         some, ids=(), labels=(), models=(), surface=some.surface[:0], pairs=nothing, views=(world,)
     )

@@ -18,6 +18,9 @@ from deixis.frames import QUARTER, TIE, Array, Mask, bearing, quarter_turns
 NO_NORMAL: Final = -1
 """Value of ``Boxes.normal`` for a thing that is not a surface."""
 
+_STRIP: Final = 16
+"""Things across a strip of neighbours, where they are spread evenly."""
+
 
 @dataclass(frozen=True)
 class Boxes:
@@ -62,24 +65,37 @@ class Boxes:
         return np.sin(self.yaw)
 
     @cached_property
-    def _record(self) -> Array:
-        """Return all that is known of each box in a row of its own, so that gathering touches it once."""
-        code = self.normal + 8.0 * self.ambiguous
-        return np.column_stack([self.center, self.half, self.cos, self.sin, self.yaw, code])
+    def _columns(self) -> Array:
+        """Return all that is measured with, column by column, (9, n)."""
+        return np.stack([*self.center.T, *self.half.T, self.cos, self.sin, self.yaw])
+
+    @cached_property
+    def along_strips(self) -> NDArray[np.int64]:
+        """Return the boxes' positions along strips of the plan, so that neighbours stand together, (n,)."""
+        n = len(self)
+        strips = max(int(np.sqrt(n) / _STRIP), 1)
+        rank = np.empty(n, dtype=np.int64)
+        rank[np.argsort(self.center[:, 1], kind="stable")] = np.arange(n)
+        return np.lexsort((self.center[:, 0], rank * strips // max(n, 1)))
 
     def take(self, index: NDArray[np.int64]) -> Boxes:
         """Return the boxes at the given positions, their coordinates column by column for arithmetic."""
-        columns = np.ascontiguousarray(self._record[index].T)
-        ambiguous = columns[9] >= 7.0
-        normal = columns[9].astype(np.int64) - 8 * ambiguous
-        some = Boxes(columns[:3].T, columns[3:6].T, columns[8], normal, ambiguous)
+        columns = self._columns.take(index, axis=1)
+        some = Boxes(
+            columns[:3].T, columns[3:6].T, columns[8], self.normal.take(index), self.ambiguous.take(index)
+        )
         # Gathered, not computed again: cached_property looks here first.
-        some.__dict__["cos"], some.__dict__["sin"] = columns[6], columns[7]
+        some.__dict__["cos"], some.__dict__["sin"], some.__dict__["_columns"] = (
+            columns[6],
+            columns[7],
+            columns,
+        )
         return some
 
     def differs(self, other: Boxes) -> Mask:
         """Return which of as many other boxes are not the same, (n,)."""
-        return np.asarray((self._record != other._record).any(axis=1))
+        flags = (self.normal != other.normal) | (self.ambiguous != other.ambiguous)
+        return np.asarray((self._columns != other._columns).any(axis=0) | flags)
 
     def effective_half(self, granularity: float) -> Array:
         """Return half extents, none below half the granularity: no region is thinner than D. Shape (n, 3)."""

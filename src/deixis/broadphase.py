@@ -1,13 +1,11 @@
 """The broad phase: which ordered pairs of things may be within reach of each other.
 
-Small scenes are compared all with all; larger ones through a spatial index (shapely's STRtree over plan
-views), so that the work grows with the number of near pairs and not with the square of the things.
+Small scenes are compared all with all; larger ones are sorted into strips of the plan, so that the work grows
+with the number of near pairs and not with the square of the things.
 """
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from typing import Final
 
@@ -16,6 +14,8 @@ import numpy as np
 from deixis.boxes import Boxes
 from deixis.errors import GeometryError
 from deixis.frames import Array, Index
+from deixis.locality import runs
+from deixis.parallel import share
 from deixis.thresholds import Thresholds
 
 MAX_PAIRS: Final = 60_000_000
@@ -24,14 +24,23 @@ MAX_PAIRS: Final = 60_000_000
 _SMALL: Final = 256
 """Up to so many things, comparing all with all is faster than building an index."""
 
-_HITS: Final = 4_000_000
-"""Pairs that one query of the index may return."""
+_HITS: Final = 65_536
+"""Pairs compared at once: their intermediate arrays stay in the cache."""
+
+_RANGES: Final = 16_384
+"""Runs of things sought at once."""
+
+_STRIPS: Final = 2
+"""Strips in half a window."""
+
+_KEYS: Final = 1.0e13
+"""Where strips and metres are one number, the largest."""
+
+_BITS: Final = 32
+"""Bits of a pair's number that name its second thing."""
 
 _SLACK: Final = 1.0e-6
 """Metres added to every reach, so that what stands just at it is not lost to rounding."""
-
-WORKERS: Final = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-"""Threads that share the work: numpy and the index let go of the interpreter while they compute."""
 
 
 def reach(boxes: Boxes, limits: Thresholds) -> Array:
@@ -83,16 +92,15 @@ def candidate_rows(boxes: Boxes, limits: Thresholds, max_pairs: int = MAX_PAIRS)
     if n <= _SMALL:
         i, j = np.triu_indices(n, 1)
         near = _gap_squared(boxes.center, around, i, j) <= np.maximum(limit[i], limit[j]) ** 2
-        i, j = i[near], j[near]
+        keys = _keys(i[near], j[near])
     else:
-        i, j = _indexed(boxes.center, around, limit, max_pairs)
-    if 2 * len(i) > max_pairs:
+        keys = _indexed(boxes.center, around, limit, limits.halfspace_scale, max_pairs)
+    if len(keys) > max_pairs:
         raise GeometryError(
             f"more than {max_pairs} ordered pairs are within reach of each other: "
             "lower the closeness threshold, or ground the scene in parts"
         )
-    keys = np.sort(np.concatenate([i * n + j, j * n + i]))
-    return keys // n, keys % n
+    return _sorted_pairs(keys)
 
 
 def candidates_of(boxes: Boxes, limits: Thresholds, some: Index) -> tuple[Index, Index]:
@@ -104,8 +112,24 @@ def candidates_of(boxes: Boxes, limits: Thresholds, some: Index) -> tuple[Index,
     j = np.tile(np.arange(n), len(some))
     near = (i != j) & (_gap_squared(boxes.center, around, i, j) <= np.maximum(limit[i], limit[j]) ** 2)
     i, j = i[near], j[near]
-    keys = np.unique(np.concatenate([i * n + j, j * n + i]))
-    return keys // n, keys % n
+    # A pair of two of them is found by both.
+    seen = np.zeros(n, dtype=np.bool_)
+    seen[some] = True
+    once = ~seen[j] | (i < j)
+    return _sorted_pairs(_keys(i[once], j[once]))
+
+
+def _keys(i: Index, j: Index) -> Index:
+    """Return a number for each ordered pair, both of each unordered one."""
+    return np.concatenate([i << _BITS | j, j << _BITS | i])
+
+
+def _sorted_pairs(keys: Index) -> tuple[Index, Index]:
+    """Return the ordered pairs of these numbers in lexicographic order, in part in the same memory."""
+    keys.sort()
+    figure = keys >> _BITS
+    keys &= (1 << _BITS) - 1
+    return figure, keys
 
 
 def _around(boxes: Boxes, limits: Thresholds) -> Array:
@@ -127,66 +151,56 @@ def _gap_squared(center: Array, around: Array, i: Index, j: Index) -> Array:
     return result
 
 
-def _indexed(center: Array, around: Array, limit: Array, max_pairs: int) -> tuple[Index, Index]:
-    """Return the unordered pairs within reach by the index; the farther-reaching of two things finds both."""
-    import shapely
+def _indexed(center: Array, around: Array, limit: Array, scale: float, max_pairs: int) -> Index:
+    """Return the numbers of the pairs within reach; the farther-reaching of two things finds both.
 
-    # The middle of the scene is the index's origin, so that no detail is lost far from the world's.
-    middle = 0.5 * (center.min(axis=0) + center.max(axis=0))
-    low, high = (center - middle - around)[:, :2], (center - middle + around)[:, :2]
-    tree = shapely.STRtree(shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1]))
-    span = 2.0 * float(np.abs(np.concatenate([low, high])).max()) + 1.0
-    wide = np.minimum(limit, span)[:, None]
+    The plan is cut into strips along X. Things are sorted by strip and by X within it, so that those whose
+    centre lies in a window are one run in each of its strips.
+    """
+    ends = np.isfinite(limit)
+    # What reaches no farther than another thing is no larger than a part of that reach (see reach).
+    largest = around[ends, :2].max(initial=0.0)
+    other = np.minimum(np.where(ends, limit, 0.0) / (1.0 + np.sqrt(2.0) * scale), largest)
+    low, extent = center.min(axis=0), np.ptp(center, axis=0) + 1.0
+    window = np.minimum(around[:, :2] + (limit + other)[:, None] + _SLACK, 2.0 * extent[:2])
+    # Few enough strips for a double to tell a centimetre beyond the last.
+    width = max(float(np.median(window[:, 1])) / _STRIPS, extent[0] * extent[1] / _KEYS)
+    strip, x = ((center[:, 1] - low[1]) / width).astype(np.int64), center[:, 0] - low[0]
+    order = np.lexsort((x, strip))
+    strip, x, window = strip[order], x[order], window[order]
+    y = (center[:, 1] - low[1])[order]
+    last = int(strip[-1])
+    lowest = np.clip((y - window[:, 1]) / width, 0, last).astype(np.int64)
+    highest = np.clip((y + window[:, 1]) / width, 0, last).astype(np.int64)
+    key = strip * extent[0] + x
+    left = np.maximum(x - window[:, 0], 0.0) - 0.02
+    right = np.minimum(x + window[:, 0], extent[0] - 1.0) + 0.02
+    center, around, limit = center[order], around[order], limit[order]
+    squared = limit**2
+    found: list[Index] = []
 
-    def search(start: int, stop: int) -> tuple[Index, Index]:
-        part = slice(start, stop)
-        asked, found = tree.query(shapely.box(*(low[part] - wide[part]).T, *(high[part] + wide[part]).T))
-        asked = asked + start
-        mine = (limit[asked] > limit[found]) | ((limit[asked] == limit[found]) & (asked < found))
-        asked, found = asked[mine], found[mine]
-        near = _gap_squared(center, around, asked, found) <= limit[asked] ** 2
-        return asked[near], found[near]
+    def search(part: tuple[int, int]) -> None:
+        asking = np.arange(*part)
+        strips = highest[asking] - lowest[asking] + 1
+        base = runs(lowest[asking], strips) * extent[0]
+        asking = np.repeat(asking, strips)
+        first = np.searchsorted(key, base + left[asking])
+        size = np.searchsorted(key, base + right[asking], "right") - first
+        for some in _slices(size, _HITS):
+            # More than that is refused; to go on would only cost memory.
+            if sum(map(len, found)) > max_pairs:
+                return
+            one, two = np.repeat(asking[some], size[some]), runs(first[some], size[some])
+            farther = np.flatnonzero((limit[one] > limit[two]) | ((limit[one] == limit[two]) & (one < two)))
+            one, two = one[farther], two[farther]
+            near = np.flatnonzero(_gap_squared(center, around, one, two) <= squared[one])
+            found.append(_keys(order[one[near]], order[two[near]]))
 
-    parts = _parts(_expected_hits(low, high, wide))
-    found: list[tuple[Index, Index]] = []
-    count = 0
-    with ThreadPoolExecutor(WORKERS) as pool:
-        for batch in range(0, len(parts), 4 * WORKERS):
-            for pairs in pool.map(lambda part: search(*part), parts[batch : batch + 4 * WORKERS]):
-                found.append(pairs)
-                count += len(pairs[0])
-            if 2 * count > max_pairs:
-                # The caller refuses; to go on would only cost memory.
-                break
-    return np.concatenate([one for one, _ in found]), np.concatenate([other for _, other in found])
-
-
-def _expected_hits(low: Array, high: Array, wide: Array) -> Array:
-    """Return for each thing how many plan views its window may meet, at most, up to a coarse grid's cells."""
-    half = 0.5 * (high - low).max(axis=1)
-    usual = float(np.quantile(half, 0.99)) + 1.0e-9
-    large = half > usual
-    origin, extent = low.min(axis=0), float((high - low.min(axis=0)).max()) + 1.0e-9
-    cells = int(np.clip(extent / max(usual, float(np.median(wide))), 1, 2048))
-    size = extent / cells
-    at = np.minimum(((0.5 * (low + high) - origin) / size).astype(np.int64), cells - 1)
-    counts = np.bincount(at[~large, 0] * cells + at[~large, 1], minlength=cells * cells)
-    total = np.zeros((cells + 1, cells + 1))
-    total[1:, 1:] = counts.reshape(cells, cells).cumsum(axis=0).cumsum(axis=1)
-    first = np.clip(((low - wide - usual - origin) / size).astype(np.int64) - 1, 0, cells)
-    last = np.clip(((high + wide + usual - origin) / size).astype(np.int64) + 1, 0, cells)
-    within = (
-        total[last[:, 0], last[:, 1]]
-        - total[first[:, 0], last[:, 1]]
-        - total[last[:, 0], first[:, 1]]
-        + total[first[:, 0], first[:, 1]]
-    )
-    return np.asarray(within + large.sum())
+    share(search, [(part.start, part.stop) for part in _slices(highest - lowest + 1, _RANGES)])
+    return np.concatenate(found)
 
 
-def _parts(hits: Array) -> list[tuple[int, int]]:
-    """Return slices of the things, each with few enough expected hits to be held in memory at once."""
-    number = (np.cumsum(hits) // _HITS).astype(np.int64)
-    edges = np.flatnonzero(np.diff(number)) + 1
-    bounds = [0, *edges.tolist(), len(hits)]
-    return list(pairwise(bounds))
+def _slices(cost: Index, most: int) -> list[slice]:
+    """Return slices of things so that the costs of each add up to little more than the most."""
+    edges = np.flatnonzero(np.diff(np.cumsum(cost) // most)) + 1
+    return [slice(start, stop) for start, stop in pairwise([0, *edges.tolist(), len(cost)])]

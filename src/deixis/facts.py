@@ -15,7 +15,11 @@ from numpy.typing import NDArray
 
 from deixis.errors import QueryError
 from deixis.frames import Array, Index, Mask
+from deixis.parallel import share
 from deixis.thresholds import Thresholds
+
+_CHUNK: Final = 32_768
+"""Rows moved at once."""
 
 RegionModel = Literal["box", "hull", "mesh"]
 """What regions are measured as: boxes, convex hulls, or meshes where there are any (decision 0017)."""
@@ -110,24 +114,44 @@ class PairColumns:
 
     @classmethod
     def empty(cls, figure: Index, reference: Index) -> PairColumns:
-        """Return columns for these pairs, to be filled in."""
+        """Return columns for these pairs, to be filled in; the volumes are 0 already."""
         p = len(figure)
         return cls(
             figure,
             reference,
             np.empty(p),
             np.empty((p, 3), dtype=np.float32),
+            np.zeros(p),
             np.empty(p),
-            np.empty(p),
-            np.empty(p),
+            np.zeros(p),
             np.empty((p, 2)),
             np.empty((p, 2)),
             np.empty(p, dtype=np.bool_),
         )
 
-    def where(self, keep: Mask) -> PairColumns:
-        """Return the rows to keep."""
-        return self if keep.all() else self.at(np.flatnonzero(keep))
+    def squeezed(self, keep: Mask) -> PairColumns:
+        """Return the rows to keep, in the memory of these columns, which must not be used any more.
+
+        Only the figures and references are copied: they belong to whoever asked.
+        """
+        if keep.all():
+            return self
+        columns = {name: getattr(self, name) for name in self.__slots__}
+
+        def squeeze(name: str) -> None:
+            column = columns[name]
+            if name in ("figure", "reference"):
+                columns[name] = column[keep]
+                return
+            end = 0
+            for start in range(0, len(keep), _CHUNK):
+                some = column[start : start + _CHUNK][keep[start : start + _CHUNK]]
+                column[end : end + len(some)] = some
+                end += len(some)
+            columns[name] = column[:end]
+
+        share(squeeze, columns)
+        return PairColumns(**columns)
 
     def at(self, rows: Index) -> PairColumns:
         """Return the rows at the given positions."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import Final
 
@@ -11,17 +9,15 @@ import numpy as np
 
 from deixis import halfspaces, measures
 from deixis.boxes import Boxes, align_with_world, contextualise
-from deixis.broadphase import MAX_PAIRS, WORKERS, candidate_rows, reach
+from deixis.broadphase import MAX_PAIRS, candidate_rows, reach
 from deixis.facts import Facts, PairColumns, RegionModel, SolidModel, ViewFacts, region_model
 from deixis.frames import WORLD, Array, Index, Mask
+from deixis.locality import Neighbourhood, Rows
 from deixis.scene import Scene, View
 from deixis.thresholds import SNAP, SNAP_DECIMALS, Thresholds
 
 ORDER_TOLERANCE: Final = 1.0e-6
 """Relative difference of volume below which two things are equally large, each a reference of the other."""
-
-_BLOCK: Final = 16_384
-"""Pairs measured at once: their intermediate arrays stay in the cache."""
 
 
 def ground(scene: Scene, *, region: RegionModel = "box", max_pairs: int = MAX_PAIRS) -> Facts:
@@ -62,7 +58,6 @@ def ground(scene: Scene, *, region: RegionModel = "box", max_pairs: int = MAX_PA
     """
     region = region_model(region)
     boxes, limits = scene.boxes, scene.thresholds
-    figure, reference = candidate_rows(boxes, limits, max_pairs)
     facts = Facts(
         scene=scene.id,
         ids=tuple(thing.id for thing in scene.objects),
@@ -70,7 +65,7 @@ def ground(scene: Scene, *, region: RegionModel = "box", max_pairs: int = MAX_PA
         surface=boxes.surface,
         volume=boxes.volume(limits.granularity),
         thresholds=limits,
-        pairs=measure_scene_pairs(scene, figure, reference, region),
+        pairs=measure_scene_pairs(scene, *candidate_rows(boxes, limits, max_pairs), region),
         views=(),
         region=region,
         models=solid_models(scene, region),
@@ -138,62 +133,60 @@ def _snap(values: Array) -> Array:
     return np.round(values, SNAP_DECIMALS) + 0.0
 
 
-def _in_blocks(count: int, work: Callable[[slice], None]) -> None:
-    """Do the work for all rows, block by block, on all processors."""
-    blocks = [slice(start, min(start + _BLOCK, count)) for start in range(0, count, _BLOCK)]
-    if len(blocks) <= 1:
-        for block in blocks:
-            work(block)
-        return
-    with ThreadPoolExecutor(WORKERS) as pool:
-        for _ in pool.map(work, blocks):
-            pass
-
-
 def measure_pairs(boxes: Boxes, figure: Index, reference: Index, limits: Thresholds) -> PairColumns:
     """Measure the candidates and keep those within reach."""
     columns = PairColumns.empty(figure, reference)
     keep = np.empty(len(figure), dtype=np.bool_)
-    d = limits.granularity
+    furthest, volume = reach(boxes, limits), boxes.volume(limits.granularity)
+    neighbourhood = Neighbourhood(boxes)
+    table = neighbourhood.table(boxes)
 
-    def work(block: slice) -> None:
-        a, b = boxes.take(figure[block]), boxes.take(reference[block])
+    def work(block: Rows) -> None:
+        i, j = figure[block], reference[block]
+        a, b = table(i), table(j)
         _measure_block(a, b, limits, columns, block)
-        ordered = ~a.surface & (b.surface | (b.volume(d) >= a.volume(d) * (1.0 - ORDER_TOLERANCE)))
+        ordered = ~a.surface & (b.surface | (volume[j] >= volume[i] * (1.0 - ORDER_TOLERANCE)))
         columns.ordered[block] = ordered
         apart = columns.separation[block]
-        keep[block] = (apart <= limits.closeness) | (ordered & (apart <= reach(b, limits)))
+        keep[block] = (apart <= limits.closeness) | (ordered & (apart <= furthest[j]))
 
-    _in_blocks(len(figure), work)
-    return columns.where(keep)
+    neighbourhood.for_blocks(figure, work)
+    # Few overlap: what only they have is measured of them together.
+    deep = np.flatnonzero(columns.separation < 0.0)
+    figures = figure[deep]
+
+    def overlap(block: Rows) -> None:
+        rows = deep[block]
+        _overlap_block(table(figures[block]), table(reference[rows]), limits.granularity, columns, rows)
+
+    neighbourhood.for_blocks(figures, overlap)
+    return columns.squeezed(keep)
 
 
-def _measure_block(a: Boxes, b: Boxes, limits: Thresholds, columns: PairColumns, block: slice) -> None:
-    """Fill in the view-independent columns of some rows, with figures a and references b."""
-    d = limits.granularity
+def _measure_block(a: Boxes, b: Boxes, limits: Thresholds, columns: PairColumns, block: Rows) -> None:
+    """Fill in the view-independent columns of some rows, but for overlaps, with figures a, references b."""
     there = measures.place(a, b)
-    up, down = measures.vertical_escapes(there, a.half, b.half, a.surface, b.surface, d)
+    up, down = measures.vertical_escapes(there, a.half, b.half, a.surface, b.surface, limits.granularity)
     signed, local = measures.separation(there, a.half, b.half, up, down)
     signed = _snap(signed)
     columns.separation[block] = signed
     columns.normal[block, 0] = b.cos * local[:, 0] - b.sin * local[:, 1]
     columns.normal[block, 1] = b.sin * local[:, 0] + b.cos * local[:, 1]
     columns.normal[block, 2] = local[:, 2]
-    shared, frontier = np.zeros(len(a)), np.zeros(len(a))
-    deep = np.flatnonzero(signed < 0.0)
-    if len(deep):
-        pair, back = there.take(deep), there.reversed().take(deep)
-        half_a, half_b = a.half[deep], b.half[deep]
-        thick_a, thick_b = np.maximum(half_a, 0.5 * d), np.maximum(half_b, 0.5 * d)
-        shared[deep] = measures.intersection_volume(pair, half_a, half_b)
-        # Points of a adjacent to inter: D times the area of b's surface inside a.
-        frontier[deep] = d * measures.surface_inside(back, thick_b, thick_a, d)
-    columns.intersection[block] = np.round(shared, 12)
-    columns.frontier[block] = np.round(frontier, 12)
     columns.protrusion[block] = _snap(measures.protrusion(there, a.half, b.half))
     relaxed, strict = halfspaces.meets_vertical(there, a.half, b.half, b.normal, signed, up, down, limits)
     columns.vertical[block] = _snap(relaxed)
     columns.vertical_strict[block] = _snap(strict)
+
+
+def _overlap_block(a: Boxes, b: Boxes, d: float, columns: PairColumns, rows: Index) -> None:
+    """Fill in what there is to measure of rows that overlap, with figures a, references b, granularity d."""
+    there = measures.place(a, b)
+    thick_a, thick_b = np.maximum(a.half, 0.5 * d), np.maximum(b.half, 0.5 * d)
+    columns.intersection[rows] = np.round(measures.intersection_volume(there, a.half, b.half), 12)
+    # Points of a adjacent to inter: D times the area of b's surface inside a.
+    frontier = d * measures.surface_inside(there.reversed(), thick_b, thick_a, d)
+    columns.frontier[rows] = np.round(frontier, 12)
 
 
 def _world(scene: Scene, facts: Facts) -> ViewFacts:
@@ -223,15 +216,18 @@ def scene_meets_halfspaces(scene: Scene, framed: Boxes, facts: Facts, rows: Inde
 
 def meets_halfspaces(boxes: Boxes, framed: Boxes, facts: Facts, rows: Index) -> tuple[Array, Array]:
     """Return the margins along X+, X-, Y+, Y- of references in their frames, (q, 4) each."""
-    figure, reference, apart = facts.figure[rows], facts.reference[rows], facts.separation[rows]
+    figure = facts.figure[rows]
     relaxed, strict = np.empty((len(rows), 4)), np.empty((len(rows), 4))
+    neighbourhood = Neighbourhood(boxes)
+    figures, references = neighbourhood.table(boxes), neighbourhood.table(framed)
 
-    def work(block: slice) -> None:
-        a, b = boxes.take(figure[block]), framed.take(reference[block])
+    def work(block: Rows) -> None:
+        some = rows[block]
+        a, b = figures(figure[block]), references(facts.reference[some])
         meets, within = halfspaces.meets_horizontal(
-            measures.place(a, b), a.half, b.half, b.normal, apart[block], facts.thresholds
+            measures.place(a, b), a.half, b.half, b.normal, facts.separation[some], facts.thresholds
         )
         relaxed[block], strict[block] = _snap(meets), _snap(within)
 
-    _in_blocks(len(rows), work)
+    neighbourhood.for_blocks(figure, work)
     return relaxed, strict

@@ -199,33 +199,48 @@ def _plan_gap(placement: Placement, half_a: Array, half_b: Array) -> tuple[Array
     result has no meaning.
     """
     cos, sin = placement.cos, placement.sin
-    back = placement.reversed()
-    best_x, best_y = np.empty_like(cos), np.empty_like(cos)
-    best = np.full_like(cos, np.inf)
-    for sign_x, sign_y in _SIGNS:
-        along, across = sign_x * half_a[:, 0], sign_y * half_a[:, 1]
-        gap_x = _beyond(placement.x + along * cos - across * sin, half_b[:, 0])
-        gap_y = _beyond(placement.y + along * sin + across * cos, half_b[:, 1])
-        squared = gap_x * gap_x + gap_y * gap_y
+    squared, gap_x, gap_y = _corner_gap(placement, half_a, half_b)
+    squared_back, back_x, back_y = _corner_gap(placement.reversed(), half_b, half_a)
+    closer = squared_back < squared
+    # From the figure to the reference's corner: turned round, and into the reference's frame.
+    return (
+        np.where(closer, sin * back_y - cos * back_x, gap_x),
+        np.where(closer, -sin * back_x - cos * back_y, gap_y),
+    )
+
+
+def _corner_gap(placement: Placement, half_a: Array, half_b: Array) -> tuple[Array, Array, Array]:
+    """Return the shortest vectors from the references' plan views to a corner of the figures'.
+
+    Their squared length, and x and y, (k,) each.
+    """
+    along_x, along_y = half_a[:, 0] * placement.cos, half_a[:, 0] * placement.sin
+    across_x, across_y = half_a[:, 1] * placement.sin, half_a[:, 1] * placement.cos
+    right = placement.x + along_x, placement.y + along_y
+    left = placement.x - along_x, placement.y - along_y
+    best = gap_x = gap_y = np.empty(0)
+    # The corners in the order of _SIGNS; of equally near ones the first is taken.
+    for number, ((at_x, at_y), add) in enumerate(
+        ((right, True), (left, True), (left, False), (right, False))
+    ):
+        x = _beyond(at_x - across_x if add else at_x + across_x, half_b[:, 0])
+        y = _beyond(at_y + across_y if add else at_y - across_y, half_b[:, 1])
+        squared = x * x
+        squared += y * y
+        if number == 0:
+            best, gap_x, gap_y = squared, x, y
+            continue
         closer = squared < best
-        best = np.where(closer, squared, best)
-        best_x, best_y = np.where(closer, gap_x, best_x), np.where(closer, gap_y, best_y)
-    for sign_x, sign_y in _SIGNS:
-        along, across = sign_x * half_b[:, 0], sign_y * half_b[:, 1]
-        gap_x = _beyond(back.x + along * cos + across * sin, half_a[:, 0])
-        gap_y = _beyond(back.y - along * sin + across * cos, half_a[:, 1])
-        squared = gap_x * gap_x + gap_y * gap_y
-        closer = squared < best
-        best = np.where(closer, squared, best)
-        # From the figure to the reference's corner: turned round, and into the reference's frame.
-        best_x = np.where(closer, sin * gap_y - cos * gap_x, best_x)
-        best_y = np.where(closer, -sin * gap_x - cos * gap_y, best_y)
-    return best_x, best_y
+        best = np.minimum(best, squared)
+        gap_x, gap_y = np.where(closer, x, gap_x), np.where(closer, y, gap_y)
+    return best, gap_x, gap_y
 
 
 def _beyond(coordinate: Array, half: Array) -> Array:
     """Return the signed part of a coordinate that lies beyond ``[-half, half]``."""
-    return coordinate - np.minimum(np.maximum(coordinate, -half), half)
+    inside = np.maximum(coordinate, -half)
+    np.minimum(inside, half, out=inside)
+    return np.subtract(coordinate, inside, out=inside)
 
 
 def _face_normals(placement: Placement, face: Index) -> Array:

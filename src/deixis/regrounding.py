@@ -58,7 +58,7 @@ def reground(before: Scene, facts: Facts, after: Scene) -> Facts:
         moved |= np.array([not _alike(one.region, other.region) for one, other in both], dtype=np.bool_)
     if _MANY * int(moved.sum()) > len(moved):
         return ground(after, region=facts.region)
-    pairs, origin = _pairs(facts, after, moved)
+    pairs, origin = _pairs(facts, after, moved) if moved.any() else (facts.pairs, None)
     base = replace(
         facts,
         scene=after.id,
@@ -71,13 +71,20 @@ def reground(before: Scene, facts: Facts, after: Scene) -> Facts:
     )
     known = {view.view: view for view in facts.views}
     poses = {view.id: view.position for view in before.views}
-    framed, tie = align_with_world(boxes)
-    views = [_again(known[WORLD], after, framed, np.ones(len(boxes), dtype=bool), tie, base, origin)]
+    views = []
+    if origin is None:
+        views.append(known[WORLD])
+    else:
+        framed, tie = align_with_world(boxes)
+        seen = np.ones(len(boxes), dtype=bool)
+        views.append(_again(known[WORLD], after, framed, seen, tie, base, origin))
     for view in after.views:
-        if view.id in poses and np.array_equal(poses[view.id], view.position):
-            views.append(_again(known[view.id], after, *frame(boxes, view), base, origin))
-        else:
+        if view.id not in poses or not np.array_equal(poses[view.id], view.position):
             views.append(look(after, base, view))
+        elif origin is None:
+            views.append(known[view.id])
+        else:
+            views.append(_again(known[view.id], after, *frame(boxes, view), base, origin))
     return replace(base, views=tuple(views))
 
 

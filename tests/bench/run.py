@@ -23,8 +23,8 @@ import numpy as np
 
 from bench import growth, shapely_loop
 from bench.job import Answers, room
-from deixis.broadphase import WORKERS
 from deixis.grounding import ground
+from deixis.parallel import WORKERS
 from deixis.regrounding import reground
 from deixis.scene import BoxRegion, Scene, SpatialObject, View
 from postgis_server import PostgisUnavailable, postgis

@@ -93,7 +93,7 @@ def measure_regions(scene: Scene, pairs: PairColumns, region: RegionModel) -> Pa
     if not len(rows):
         return pairs
     n = len(boxes)
-    figure, reference = pairs.figure[rows], pairs.reference[rows]
+    figure, reference = pairs.figure[rows].astype(np.int64), pairs.reference[rows].astype(np.int64)
     keys, place = np.unique(
         np.minimum(figure, reference) * n + np.maximum(figure, reference), return_inverse=True
     )
@@ -110,7 +110,8 @@ def measure_regions(scene: Scene, pairs: PairColumns, region: RegionModel) -> Pa
     _fill(pairs, rows, found, place, figure == a[place], lateral - 0.5 * limits.granularity, limits)
     apart = pairs.separation
     near = pairs.ordered & (apart <= reach(boxes, limits)[pairs.reference])
-    return pairs.where((apart <= limits.closeness) | near)
+    keep = (apart <= limits.closeness) | near
+    return pairs if keep.all() else pairs.at(np.flatnonzero(keep))
 
 
 def _lateral(boxes: Boxes, a: Index, b: Index, limits: Thresholds) -> Array:
