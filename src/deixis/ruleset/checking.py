@@ -134,7 +134,9 @@ def assemble(
         problems += unsafe(rule)
     kinds = Kinds(rules, problems.append)
     used = known | {atom.predicate for rule in rules for atom, _ in atoms(rule.body)}
-    mine = {one for file in user for one, _ in file.declared} | {r.head.predicate for f in user for r in f.rules}
+    mine = {one for file in user for one, _ in file.declared} | {
+        r.head.predicate for f in user for r in f.rules
+    }
     ruleset = Ruleset(files, rules, {one: kinds.of(one) for one in sorted(used)}, frozenset(mine))
     problems += _unstratified(ruleset.graph)
     problems.sort(key=lambda one: (files_order(files, one), one.place.line, one.place.column, one.warning))
@@ -209,7 +211,9 @@ def _unknown(
         for atom, _ in atoms(rule.body):
             if atom.predicate not in known:
                 if not partial or not any(atom.predicate in one.exports for one in files):
-                    yield Problem(atom.place, f"{shown(atom.predicate)} is not defined", _meant(atom.predicate, known))
+                    yield Problem(
+                        atom.place, f"{shown(atom.predicate)} is not defined", _meant(atom.predicate, known)
+                    )
             elif file.module is not None and atom.predicate not in seen:
                 owner = next((one for one in files if atom.predicate in _defines(one)), None)
                 what = f":- use_module({owner.path.stem})" if owner else ""

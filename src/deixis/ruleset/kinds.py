@@ -134,7 +134,9 @@ class Kinds:
             return
         for side in (goal.left, goal.right):
             if isinstance(side, Arithmetic):
-                self._tell(Problem(side.place, f"a sum is compared with {goal.operator}", "write =:= or =\\="))
+                self._tell(
+                    Problem(side.place, f"a sum is compared with {goal.operator}", "write =:= or =\\=")
+                )
                 return
         left, right = goal.left, goal.right
         if isinstance(left, Variable) and isinstance(right, Variable):
@@ -195,7 +197,9 @@ def _hint(known: Kind, kind: Kind) -> str:
     return "each argument and each variable is of one kind"
 
 
-def lengths(rules: Iterable[Rule], kinds: Mapping[Indicator, Sequence[Kind]]) -> dict[Indicator, tuple[bool, ...]]:
+def lengths(
+    rules: Iterable[Rule], kinds: Mapping[Indicator, Sequence[Kind]]
+) -> dict[Indicator, tuple[bool, ...]]:
     """Return for each argument whether it is a length in metres, so that comparing it has a margin.
 
     A number that can come from something that is no length is none.

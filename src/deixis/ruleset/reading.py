@@ -205,7 +205,9 @@ class _Reader:
         match raw.kind:
             case "negation":
                 raise _Refused(
-                    raw, "a denial within a denial is not in the subset", "give the inner part a name of its own"
+                    raw,
+                    "a denial within a denial is not in the subset",
+                    "give the inner part a name of its own",
                 )
             case "conjunction":
                 raise _Refused(raw, "brackets around a conjunction are not in the subset", "leave them out")
@@ -258,17 +260,23 @@ class _Reader:
             match raw.kind:
                 case "plus":
                     left, right = raw.parts
-                    return Arithmetic("-" if raw.text == "-" else "+", (one(left), one(right)), self._place(raw))
+                    return Arithmetic(
+                        "-" if raw.text == "-" else "+", (one(left), one(right)), self._place(raw)
+                    )
                 case "sign":
                     if raw.text.startswith("+"):
                         raise _Refused(raw, "a plus in front of a value means nothing", "leave it out")
                     return Arithmetic("-", (one(raw.parts[0]),), self._place(raw))
                 case "times":
                     raise _Refused(
-                        raw, f"'{raw.text}' is not in the subset", "numbers are compared, added and subtracted"
+                        raw,
+                        f"'{raw.text}' is not in the subset",
+                        "numbers are compared, added and subtracted",
                     )
                 case "compound":
-                    raise _Refused(raw, "a term is compared with nothing", "numbers are added and subtracted only")
+                    raise _Refused(
+                        raw, "a term is compared with nothing", "numbers are added and subtracted only"
+                    )
             if next(operands) > MOST_OPERANDS:
                 raise _Refused(raw, f"a sum has at most {MOST_OPERANDS} numbers")
             return self._value(raw)
@@ -280,7 +288,10 @@ class _Reader:
         if first.kind == "declaration":
             raw = first
             if raw.text != "dynamic":
-                hints = {"discontiguous": "put the clauses of a predicate together", "table": "recursion needs none"}
+                hints = {
+                    "discontiguous": "put the clauses of a predicate together",
+                    "table": "recursion needs none",
+                }
                 raise _Refused(raw, f"'{raw.text}' is not in the subset", hints.get(raw.text, ""))
             for part in (raw.parts[0], *rest):
                 self._dynamic(part)

@@ -5,7 +5,17 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
-from deixis.ruleset.model import Atom, Comparison, Constant, Goal, Negation, Problem, Rule, Variable, variables
+from deixis.ruleset.model import (
+    Atom,
+    Comparison,
+    Constant,
+    Goal,
+    Negation,
+    Problem,
+    Rule,
+    Variable,
+    variables,
+)
 
 
 def unsafe(rule: Rule) -> Iterator[Problem]:

@@ -1,0 +1,5 @@
+"""The rules as SQL on DuckDB: all relations of a scene at once, with their margins."""
+
+from deixis.sql.executor import SqlExecutor, Table
+
+__all__ = ["SqlExecutor", "Table"]
