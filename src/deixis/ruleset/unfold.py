@@ -6,6 +6,7 @@ Executors that derive whole relations at a time gain from it. What follows stays
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import count
 from typing import Final
 
@@ -45,7 +46,23 @@ LONGEST: Final = 24
 Binding = dict[str, Value]
 
 
-def unfolded(ruleset: Ruleset) -> dict[Indicator, tuple[Rule, ...]]:
+@dataclass(frozen=True, slots=True)
+class Unfolded:
+    """Rules written out.
+
+    Attributes
+    ----------
+    rules : dict
+        Of each derived predicate.
+    once : frozenset of Indicator
+        The predicates whose one rule finds each conclusion once.
+    """
+
+    rules: dict[Indicator, tuple[Rule, ...]]
+    once: frozenset[Indicator]
+
+
+def unfolded(ruleset: Ruleset) -> Unfolded:
     """Return the rules of each derived predicate, written out as far as that duplicates nothing.
 
     Examples
@@ -53,7 +70,7 @@ def unfolded(ruleset: Ruleset) -> dict[Indicator, tuple[Rule, ...]]:
     >>> from deixis._files import rules_dir
     >>> from deixis.ruleset.checking import load
     >>> rules = load([rules_dir() / f"{name}.pl" for name in ("facts", "topology", "direction")])
-    >>> [goal.name for goal in unfolded(rules)["above", 2][0].body if isinstance(goal, Atom)]
+    >>> [goal.name for goal in unfolded(rules).rules["above", 2][0].body if isinstance(goal, Atom)]
     ['figure_reference', 'pair']
     """
     recursive = ruleset.graph.recursive
@@ -72,7 +89,22 @@ def unfolded(ruleset: Ruleset) -> dict[Indicator, tuple[Rule, ...]]:
             key = _key(ruleset.kinds[predicate], rules, keys)
             if predicate not in recursive and key is not None:
                 keys[predicate] = key
-    return done
+    once = {
+        one
+        for one, rules in done.items()
+        if len(rules) == 1 and one not in recursive and rules[0].body and _found_once(rules[0], keys)
+    }
+    return Unfolded(done, frozenset(once))
+
+
+def _found_once(rule: Rule, keys: Mapping[Indicator, int]) -> bool:
+    # Nothing says that a label is given once.
+    loose = any(
+        isinstance(goal, Atom) and goal.predicate in BASE_FACTS and goal.predicate not in KEYS
+        for goal in rule.body
+    )
+    head = {one.name for one in rule.head.args if isinstance(one, Variable)}
+    return not loose and _determined(rule, head, keys)
 
 
 class _Writer:
@@ -86,10 +118,14 @@ class _Writer:
     def rule(self, rule: Rule) -> Rule | None:
         """Return a rule with atoms replaced where one rule can stand for them; None where none can hold."""
         at = 0
+        # What is the same as something else by another name is read from there.
+        copies = len(rule.body) == 1 and not any(
+            isinstance(one, Constant) for goal in rule.body if isinstance(goal, Atom) for one in goal.args
+        )
         while at < len(rule.body):
             goal = rule.body[at]
             changed: Rule | None = rule
-            if isinstance(goal, Atom) and goal.predicate in self.known:
+            if isinstance(goal, Atom) and goal.predicate in self.known and not copies:
                 changed = self._replace(rule, at, goal)
             elif isinstance(goal, Negation):
                 inner = self._inner(goal)

@@ -153,20 +153,12 @@ class SqlExecutor:
             program, statement = self._program(tuple(dict.fromkeys(wanted)), margins)
             symbols = Symbols(facts.ids, program.constants)
             tables = {
-                program.given_name(one): base_columns(one, facts, view_labels, symbols) for one in program.base
+                name: base_columns(one, facts, view_labels, symbols)
+                if one in BASE_FACTS
+                else _listed(program.given[one], self.ruleset.kinds[one], symbols)
+                for one, name in program.given_tables.items()
             }
-            if "pair_9_given" in tables:
-                tables["pair_9_given"]["ordered"] = facts.ordered
-            for predicate in program.listed:
-                columns = _listed(program.given[predicate], self.ruleset.kinds[predicate], symbols)
-                tables[program.given_name(predicate)] = columns
-            for predicate, kinds in self.ruleset.kinds.items():
-                name = program.given_name(predicate)
-                if name not in tables and name in program.names.tables.values():
-                    tables[name] = _listed((), kinds, symbols)
-            limits = {
-                name: value for name, value in facts.thresholds.items() if name in program.thresholds
-            }
+            limits = {name: value for name, value in facts.thresholds.items() if name in program.thresholds}
             with self._answering(timeout), self._registered(tables):
                 for step in program.steps if program.recursive else ():
                     self._derive(program, step, limits)
@@ -177,10 +169,7 @@ class SqlExecutor:
         known = self._programs.get((wanted, margins))
         if known is None:
             program = Program(self.ruleset, wanted, margins=margins)
-            for step in program.steps:
-                for node in step.nodes:
-                    list(program.selects(node))
-            known = program, program.result() if program.recursive else program.statement()
+            known = program, program.statement()
             self._programs[wanted, margins] = known
         return known
 
@@ -270,7 +259,9 @@ def _first(program: Program, node: Node, step: Step) -> list[str]:
 
 def _listed(rules: Sequence[Rule], kinds: Sequence[Kind], symbols: Symbols) -> Columns:
     """Return facts that are written in rule files as columns, each once."""
-    rows = dict.fromkeys(tuple(one.value for one in rule.head.args if isinstance(one, Constant)) for rule in rules)
+    rows = dict.fromkeys(
+        tuple(one.value for one in rule.head.args if isinstance(one, Constant)) for rule in rules
+    )
     columns: Columns = {}
     for at, kind in enumerate(kinds):
         values = [row[at] for row in rows]

@@ -11,7 +11,7 @@ from deixis.ruleset import Indicator, Rule, Ruleset
 from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.model import Atom, Comparison, Constant, Expression, Goal, Negation
 from deixis.ruleset.unfold import unfolded
-from deixis.sql.rules_sql import Mode, Names, Node, RuleSql, columns_of
+from deixis.sql.rules_sql import INFINITE, Mode, Names, Node, RuleSql, columns_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,15 +43,13 @@ class Program:
 
     def __init__(self, ruleset: Ruleset, wanted: Sequence[Indicator], *, margins: bool) -> None:
         self.ruleset, self.wanted, self.margins = ruleset, tuple(wanted), margins
-        every = unfolded(ruleset)
-        self._rules = {
-            one: tuple(rule for rule in rules if rule.body) for one, rules in every.items()
-        }
+        written = unfolded(ruleset)
+        every, self._once = written.rules, written.once
+        self._rules = {one: tuple(rule for rule in rules if rule.body) for one, rules in every.items()}
         self.given = {one: tuple(rule for rule in rules if not rule.body) for one, rules in every.items()}
         self.thresholds: set[str] = set()
+        self._read: set[str] = set()
         needed = self._needed()
-        self.base = tuple(sorted({one for one, _ in needed if one in BASE_FACTS}))
-        self.listed = tuple(sorted({one for one, _ in needed if self.given.get(one)}))
         self.steps = tuple(self._ordered(needed))
         self.constants = tuple(sorted(set(self._constants(needed))))
         self.names = Names(
@@ -61,6 +59,10 @@ class Program:
             lengths=ruleset.lengths,
             margins=margins,
         )
+        self._result = self._select_all()
+        self._read |= {self.names.tables[one, "truth"] for one in self.wanted}
+        names = {one: self.given_name(one) for one, _ in sorted(needed)}
+        self.given_tables = {one: name for one, name in names.items() if name in self._read}
 
     @property
     def recursive(self) -> bool:
@@ -140,8 +142,7 @@ class Program:
                 if isinstance(goal, Atom) and (goal.predicate, mode) in delta:
                     yield self._select(rule, mode, {at: f"{self.names.tables[goal.predicate, mode]}_new"})
         if self.given[predicate] and not delta:
-            margin = ", 'inf'::DOUBLE AS m" if self.margins else ""
-            yield f"SELECT {arguments(predicate)}{margin} FROM {self.given_name(predicate)}"
+            yield self._facts(predicate)
 
     def seeds(self, node: Node, together: Sequence[Node]) -> Iterator[str]:
         """Yield what a recursive node begins with: its facts, and what follows without the others."""
@@ -153,23 +154,35 @@ class Program:
         ]
         for rule in rules:
             yield self._select(rule, mode, {})
-        margin = ", 'inf'::DOUBLE AS m" if self.margins else ""
+        margin = f", {INFINITE} AS m" if self.margins else ""
         if self.given[predicate]:
-            yield f"SELECT {arguments(predicate)}{margin} FROM {self.given_name(predicate)}"
+            yield self._facts(predicate)
         elif not rules:
-            columns = (f"0::{one.split()[1]} AS {one.split()[0]}" for one in columns_of(self.ruleset.kinds[predicate]))
+            columns = (
+                f"0::{one.split()[1]} AS {one.split()[0]}"
+                for one in columns_of(self.ruleset.kinds[predicate])
+            )
             yield f"SELECT {', '.join(columns)}{margin} WHERE FALSE"
+
+    def _facts(self, predicate: Indicator) -> str:
+        name = self.given_name(predicate)
+        self._read.add(name)
+        margin = f", {INFINITE} AS m" if self.margins else ""
+        return f"SELECT {arguments(predicate)}{margin} FROM {name}"
 
     def _select(self, rule: Rule, mode: Mode, tables: dict[int, str]) -> str:
         compiler = RuleSql(self.names, rule, mode, tables)
         text = compiler.select()
         self.thresholds |= compiler.thresholds
+        self._read |= compiler.tables
         return text
 
     def table(self, node: Node, selects: Sequence[str]) -> str:
         """Return a SELECT of all rows of a node, each once, with the widest of its margins."""
         columns = arguments(node[0])
         union = " UNION ALL ".join(selects)
+        if node[0] in self._once:
+            return union
         if self.margins:
             return f"SELECT {columns}, max(m) AS m FROM ({union}) GROUP BY {columns}"
         return f"SELECT DISTINCT {columns} FROM ({union})"
@@ -184,12 +197,14 @@ class Program:
             for place in range(widest):
                 known = place < len(kinds)
                 is_number = known and kinds[place] == "number"
-                columns.append(f"a{place} AS c{place}" if known and not is_number else f"0::BIGINT AS c{place}")
+                columns.append(
+                    f"a{place} AS c{place}" if known and not is_number else f"0::BIGINT AS c{place}"
+                )
                 if place in self.numbers:
                     columns.append(f"a{place} AS d{place}" if is_number else f"0::DOUBLE AS d{place}")
             node: Node = (predicate, "truth")
             if self.margins:
-                columns.append("m" if node in self.names.has_margin else "'inf'::DOUBLE AS m")
+                columns.append("m" if node in self.names.has_margin else f"{INFINITE} AS m")
             parts.append(f"SELECT {', '.join(columns)} FROM {self.names.tables[node]}")
         return " UNION ALL ".join(parts)
 
@@ -204,12 +219,19 @@ class Program:
         )
 
     def statement(self) -> str:
-        """Return the one statement that derives all, for rules that are not recursive."""
+        """Return the statement that gives all wanted rows.
+
+        Where rules are recursive the tables of all steps must be there; otherwise it derives them itself.
+        """
+        return self._result
+
+    def _select_all(self) -> str:
+        nodes = [node for step in self.steps for node in step.nodes]
         parts = [
-            f"{self.names.tables[node]} AS ({self.table(node, list(self.selects(node)))})"
-            for step in self.steps
-            for node in step.nodes
+            f"{self.names.tables[node]} AS ({self.table(node, list(self.selects(node)))})" for node in nodes
         ]
+        if self.recursive:
+            return self.result()
         return (f"WITH {', '.join(parts)} " if parts else "") + self.result()
 
 

@@ -40,6 +40,16 @@ THRESHOLDS: Final = frozenset(name for name, _ in Thresholds().items())
 _OPERATORS: Final = {"=<": "<=", "=:=": "=", "=\\=": "<>", "==": "=", "\\==": "<>", "\\=": "<>"}
 
 
+FLAGS: Final[Mapping[Indicator, tuple[tuple[Indicator, tuple[int, ...], str], ...]]] = {
+    ("figure_reference", 2): (
+        (("pair", 9), (0, 1), "ordered"),
+        (("aspect", 7), (1, 2), "ordered"),
+    ),
+    ("viewpoint", 1): ((("aspect", 7), (0,), "viewed"),),
+}
+"""Facts that stand in a column of another table too, beside the arguments at these places."""
+
+
 @dataclass
 class Names:
     """How predicates and constants are called in SQL, and what a rule needs to know of predicates.
@@ -87,19 +97,18 @@ class RuleSql:
         Other tables for some goals of the body, by position.
     """
 
-    def __init__(
-        self, names: Names, rule: Rule, mode: Mode, tables: Mapping[int, str] | None = None
-    ) -> None:
+    def __init__(self, names: Names, rule: Rule, mode: Mode, tables: Mapping[int, str] | None = None) -> None:
         self._names, self._rule, self._mode = names, rule, mode
-        self._tables = tables or {}
+        self._instead = tables or {}
         self._aliases = 0
         self.thresholds: set[str] = set()
+        self.tables: set[str] = set()
 
     def select(self) -> str:
         """Return the SELECT of the rule's conclusions: a0, a1 ..., and m where margins are wanted."""
         scope = _Scope()
         body = self._rule.body
-        self._join(scope, body, self._mode, self._tables)
+        self._join(scope, body, self._mode, self._instead)
         lengths = rule_lengths([goal for goal in body if isinstance(goal, Atom)], self._names.lengths)
         for goal in body:
             if isinstance(goal, Comparison):
@@ -115,27 +124,29 @@ class RuleSql:
 
     def _join(self, scope: _Scope, goals: Sequence[Goal], mode: Mode, tables: Mapping[int, str]) -> None:
         """Add the atoms: a table each, and what their arguments must equal."""
-        pairs: dict[tuple[object, ...], str] = {}
-        later: list[Atom] = []
-        measured = {one.args[:2] for one in goals if isinstance(one, Atom) and one.predicate == ("pair", 9)}
+        read: list[tuple[Atom, str]] = []
+        flagged: list[tuple[Atom, Indicator, tuple[int, ...], str]] = []
         for at, goal in enumerate(goals):
             if not isinstance(goal, Atom) or self._threshold(goal, scope.known):
                 continue
-            if goal.predicate == ("figure_reference", 2) and goal.args in measured:
-                later.append(goal)
+            flag = _flag(goal, goals)
+            if flag is not None:
+                flagged.append((goal, *flag))
                 continue
             node = (goal.predicate, mode)
             alias = f"t{self._aliases}"
             self._aliases += 1
-            scope.sources.append(f"{tables.get(at, self._names.tables[node])} {alias}")
+            table = tables.get(at, self._names.tables[node])
+            self.tables.add(table)
+            scope.sources.append(f"{table} {alias}")
             if node in self._names.has_margin:
                 scope.margins.append(f"{alias}.m")
-            if goal.predicate == ("pair", 9):
-                pairs[goal.args[:2]] = alias
+            read.append((goal, alias))
             for position, value in enumerate(goal.args):
                 self._match(scope, value, f"{alias}.a{position}")
-        # The order of a pair stands in the table of pairs too.
-        scope.conditions += [f"{pairs[goal.args]}.ordered" for goal in later]
+        for goal, predicate, places, column in flagged:
+            alias = next(alias for one, alias in read if _stands_beside(goal, one, predicate, places))
+            scope.conditions.append(f"{alias}.{column}")
 
     def _match(self, scope: _Scope, value: Variable | Constant, column: str) -> None:
         if isinstance(value, Constant):
@@ -156,13 +167,9 @@ class RuleSql:
         known[value.name] = f"${name.value}"
         return True
 
-    def _compare(
-        self, scope: _Scope, goal: Comparison, lengths: Mapping[str, bool], mode: Mode
-    ) -> None:
+    def _compare(self, scope: _Scope, goal: Comparison, lengths: Mapping[str, bool], mode: Mode) -> None:
         left, right = (self._value(one, scope.known) for one in (goal.left, goal.right))
-        soft = goal.operator in ORDER and all(
-            lengths.get(one.name, True) for one in variables(goal)
-        )
+        soft = goal.operator in ORDER and all(lengths.get(one.name, True) for one in variables(goal))
         if not (soft and mode == "near"):
             scope.conditions.append(f"{left} {_OPERATORS.get(goal.operator, goal.operator)} {right}")
         if soft:
@@ -193,7 +200,11 @@ class RuleSql:
             case Variable():
                 return known[value.name]
             case Constant():
-                return number(value.value) if value.kind == "number" else str(self._names.codes[str(value.value)])
+                return (
+                    number(value.value)
+                    if value.kind == "number"
+                    else str(self._names.codes[str(value.value)])
+                )
             case Arithmetic(operator, (only,)):
                 return f"({operator} {self._value(only, known)})"
             case Arithmetic(operator, (left, right)):
@@ -210,6 +221,18 @@ def number(value: float | str) -> str:
     '0.05::DOUBLE'
     """
     return f"{float(value)!r}::DOUBLE" if float(value) >= 0.0 else f"({float(value)!r})::DOUBLE"
+
+
+def _flag(goal: Atom, goals: Sequence[Goal]) -> tuple[Indicator, tuple[int, ...], str] | None:
+    """Return where a fact is a column of a table that is read anyway, with the same arguments."""
+    for predicate, places, column in FLAGS.get(goal.predicate, ()):
+        if any(isinstance(one, Atom) and _stands_beside(goal, one, predicate, places) for one in goals):
+            return predicate, places, column
+    return None
+
+
+def _stands_beside(goal: Atom, one: Atom, predicate: Indicator, places: Sequence[int]) -> bool:
+    return one.predicate == predicate and tuple(one.args[place] for place in places) == goal.args
 
 
 def _select(columns: str, scope: _Scope) -> str:

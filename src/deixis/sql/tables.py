@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from deixis.errors import GeometryError
 from deixis.facts import Facts, ViewFacts
-from deixis.frames import HORIZONTAL, WORLD, Array, Index
+from deixis.frames import HORIZONTAL, WORLD, Array, Index, Mask
 from deixis.ruleset import Indicator
 
-Columns = dict[str, NDArray[np.int64] | Array]
-"""Arguments of a predicate by name, a0, a1 ..., a row for each fact."""
+Columns = dict[str, NDArray[np.int64] | Array | Mask]
+"""Arguments of a predicate by name, a0, a1 ..., a row for each fact; beside them what FLAGS names."""
 
 VERTICAL: Final = ("Z+", "Z-")
 
@@ -92,7 +92,17 @@ def base_columns(
     for column in columns:
         if column.dtype == np.float64 and not np.isfinite(column).all():
             raise GeometryError(f"a measure in {predicate[0]}/{predicate[1]} is not a finite number")
-    return {f"a{at}": column for at, column in enumerate(columns)}
+    found: Columns = {f"a{at}": column for at, column in enumerate(columns)}
+    if predicate == ("pair", 9):
+        found["ordered"] = facts.ordered
+    elif predicate == ("aspect", 7):
+        views = facts.views
+        rows = np.concatenate([np.empty(0, dtype=np.int64), *(view.rows for view in views)])
+        found["ordered"] = facts.ordered[rows]
+        found["viewed"] = np.repeat(
+            [view.view != WORLD for view in views], [len(view.rows) for view in views]
+        )
+    return found
 
 
 _Made = Sequence[NDArray[np.int64] | Array]
