@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from deixis import __version__
+from deixis.cli import rules as rules_commands
 from deixis.cli.output import Format, printable, printable_lines, records, write_csv, write_json, write_table
 
 app = typer.Typer(
@@ -22,12 +23,26 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+app.add_typer(rules_commands.app, name="rules")
+
 ScenePath = Annotated[
     Path, typer.Argument(metavar="SCENE", help="A scene file (see `deixis import` for other formats).")
 ]
 Seconds = Annotated[float, typer.Option("--timeout", min=0.001, help="Seconds before giving up.")]
 
+RuleFiles = Annotated[
+    list[Path] | None, typer.Option("--rules", metavar="FILE", help="Your own rules; may be repeated.")
+]
+
 RELATION_COLUMNS = ("relation", "figure", "reference", "view", "margin")
+
+
+class EngineName(StrEnum):
+    """What derives relations."""
+
+    DUCKDB = "duckdb"
+    PROLOG = "prolog"
+    SPARQL = "sparql"
 
 
 class TextOrJson(StrEnum):
@@ -64,12 +79,16 @@ def relations(
     relation: Annotated[list[str] | None, typer.Option(help="Only this relation; may be repeated.")] = None,
     output: Annotated[Format, typer.Option("--format", help="How to print them.")] = Format.TABLE,
     timeout: Seconds = 60.0,
+    rules: RuleFiles = None,
+    engine: Annotated[
+        EngineName, typer.Option(help="What derives them; all give the same.")
+    ] = EngineName.DUCKDB,
 ) -> None:
     """Print the relations that hold in a scene, each with its margin in metres."""
     from deixis.knowledge import KnowledgeBase
 
-    with KnowledgeBase.from_scene(scene) as kb:
-        found = kb.relations(view=view, relation=relation, timeout=timeout)
+    with KnowledgeBase.from_scene(scene, rules=rules or ()) as kb:
+        found = kb.relations(view=view, relation=relation, timeout=timeout, engine=engine.value)
         _warn(kb.scene.diagnostics)
         if output is Format.JSON:
             write_json(
@@ -132,12 +151,13 @@ def ask(
     ] = TextOrJson.TEXT,
     limit: Annotated[int | None, typer.Option(min=1, help="At most this many answers.")] = None,
     timeout: Seconds = 10.0,
+    rules: RuleFiles = None,
 ) -> None:
     """Answer a question; exit code 0 when there is an answer, 1 when there is none."""
     from deixis.knowledge import KnowledgeBase
     from deixis.prolog import Variable, term_json, term_text
 
-    with KnowledgeBase.from_scene(scene) as kb:
+    with KnowledgeBase.from_scene(scene, rules=rules or ()) as kb:
         answers = kb.ask(goal, limit=limit, timeout=timeout)
     if output is TextOrJson.JSON:
         write_json(
@@ -170,11 +190,12 @@ def why(
     goal: Annotated[str, typer.Argument(metavar="GOAL", help="A relation, e.g. 'leans_on(ladder, wall)'.")],
     output: Annotated[TextOrJson, typer.Option("--format", help="How to print the proof.")] = TextOrJson.TEXT,
     timeout: Seconds = 10.0,
+    rules: RuleFiles = None,
 ) -> None:
     """Explain why a relation holds, down to the measured numbers; exit code 1 when it does not hold."""
     from deixis.knowledge import KnowledgeBase
 
-    with KnowledgeBase.from_scene(scene) as kb:
+    with KnowledgeBase.from_scene(scene, rules=rules or ()) as kb:
         answer = kb.why(goal, timeout=timeout)
     if output is TextOrJson.JSON:
         write_json({"goal": goal, **answer.to_dict()})
@@ -187,14 +208,16 @@ def why(
 
 
 @app.command()
-def shell(scene: ScenePath) -> None:
+def shell(scene: ScenePath, rules: RuleFiles = None) -> None:
     """Open SWI-Prolog with a scene and the rules loaded."""
     from deixis.knowledge import KnowledgeBase, theory_files
     from deixis.prolog.shell import exec_shell
 
-    kb = KnowledgeBase.from_scene(scene)
+    own = rules or []
+    kb = KnowledgeBase.from_scene(scene, rules=own)
     _warn(kb.scene.diagnostics)
-    exec_shell(theory_files(), kb.facts_text(readable=False))
+    tabled = kb.tabled
+    exec_shell([*theory_files(), *own], kb.facts_text(readable=False), tabled)
 
 
 @app.command(name="import")

@@ -1,7 +1,7 @@
-"""Rules as values: the Datalog subset of Prolog read, checked, and put in an order that derives it.
+r"""Rules as values: the Datalog subset of Prolog read, checked, and put in an order that derives it.
 
 A rule file is plain Prolog that SWI-Prolog runs as it stands. What is accepted here (facts and rules with
-atoms, ``\\+`` and comparisons) means the same in every engine.
+atoms, ``\+`` and comparisons) means the same in every engine.
 """
 
 from deixis.ruleset.checking import Ruleset, assemble, examine, load, refuse

@@ -65,7 +65,7 @@ class Lines:
 
 
 def clauses(text: str, lines: Lines) -> Iterator[Clause | Problem]:
-    """Yield the clauses of a text, and what keeps a stretch of it from being one.
+    r"""Yield the clauses of a text, and what keeps a stretch of it from being one.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def clauses(text: str, lines: Lines) -> Iterator[Clause | Problem]:
 
     Examples
     --------
-    >>> text = "%!  p(?X)\\np(a). p('b. c')."
+    >>> text = "%!  p(?X)\np(a). p('b. c')."
     >>> [one.text for one in clauses(text, Lines(Path("x.pl"), text))]
     ['p(a)', "p('b. c')"]
     """

@@ -34,12 +34,12 @@ class Graph:
 
     @classmethod
     def of(cls, rules: Iterable[Rule]) -> Graph:
-        """Return the graph of some rules.
+        r"""Return the graph of some rules.
 
         Examples
         --------
         >>> from deixis.ruleset.reading import read_text
-        >>> file, _ = read_text("p(X) :- e(X). q(X) :- e(X), \\\\+ p(X).", Path("x.pl"))
+        >>> file, _ = read_text("p(X) :- e(X). q(X) :- e(X), \\+ p(X).", Path("x.pl"))
         >>> [sorted(one) for one in Graph.of(file.rules).components]
         [[('e', 1)], [('p', 1)], [('q', 1)]]
         """
@@ -136,7 +136,7 @@ def _components(after: Mapping[Indicator, Sequence[Indicator]]) -> list[list[Ind
                 if work:
                     low[work[-1][0]] = min(low[work[-1][0]], low[node])
                 if low[node] == number[node]:
-                    component = []
+                    component: list[Indicator] = []
                     while not component or component[-1] != node:
                         component.append(stack.pop())
                         on_stack.discard(component[-1])

@@ -17,7 +17,7 @@ ORDER: Final = frozenset({"<", "=<", ">", ">=", "=:=", "=\\="})
 """Comparisons of numbers."""
 
 SAME: Final = frozenset({"==", "\\==", "=", "\\="})
-"""Comparisons of names or strings, all of them bound: so ``=`` is ``==`` and ``\\=`` is ``\\==``."""
+r"""Comparisons of names or strings, all of them bound: so ``=`` is ``==`` and ``\=`` is ``\==``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +95,7 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True)
 class Negation:
-    """``\\+ goal`` or ``\\+ ( goal, ... )``: variables that stand only here mean "any"."""
+    r"""``\+ goal`` or ``\+ ( goal, ... )``: variables that stand only here mean "any"."""
 
     goals: tuple[Atom | Comparison, ...]
     place: Place = field(compare=False)

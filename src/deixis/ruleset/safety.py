@@ -19,7 +19,7 @@ from deixis.ruleset.model import (
 
 
 def unsafe(rule: Rule) -> Iterator[Problem]:
-    """Yield what is wrong with the variables of a rule.
+    r"""Yield what is wrong with the variables of a rule.
 
     Prolog evaluates from left to right, and a denial or comparison of what is not bound yet is silently
     wrong there; so order matters, though the other engines do not mind.
@@ -28,7 +28,7 @@ def unsafe(rule: Rule) -> Iterator[Problem]:
     --------
     >>> from pathlib import Path
     >>> from deixis.ruleset.reading import read_text
-    >>> file, _ = read_text("lone(X) :- \\\\+ touches(_, X), surface(X).", Path("x.pl"))
+    >>> file, _ = read_text("lone(X) :- \\+ touches(_, X), surface(X).", Path("x.pl"))
     >>> print(*unsafe(file.rules[0]))
     x.pl:1:26: X is denied before it is bound (put the goal that binds it in front of the denial)
     """

@@ -55,12 +55,12 @@ def read_clause(text: str) -> Raw:
     except UnexpectedToken as found:
         raise _unexpected(text, found) from None
     except UnexpectedCharacters as found:
-        character = text[found.pos_in_stream or 0]
+        character = text[found.pos_in_stream]
         raise SyntaxProblem(
-            found.pos_in_stream or 0, f"{character!r} means nothing here", _hint_for(character)
+            found.pos_in_stream, f"{character!r} means nothing here", _hint_for(character)
         ) from None
     except UnexpectedInput as found:
-        raise SyntaxProblem(found.pos_in_stream or 0, "the clause cannot be read") from None
+        raise SyntaxProblem(found.pos_in_stream, "the clause cannot be read") from None
     if raw.depth > DEEPEST:
         raise SyntaxProblem(raw.start, f"terms are nested more than {DEEPEST} deep", "write it flat")
     return raw

@@ -1,6 +1,6 @@
 """Rules written out: what an atom stands for put in its place, and facts with one key looked up once.
 
-Executors that derive whole relations at a time gain from it. What follows stays the same, and with what margin.
+Executors that derive whole relations at a time gain from it. What follows stays the same, margins too.
 """
 
 from __future__ import annotations

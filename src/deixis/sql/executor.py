@@ -18,10 +18,10 @@ from deixis.facts import Facts
 from deixis.frames import Array
 from deixis.ruleset import Indicator, Kind, Rule, Ruleset
 from deixis.ruleset.base import BASE_FACTS
+from deixis.ruleset.columns import Columns, Symbols, base_columns
 from deixis.ruleset.model import Constant
-from deixis.sql.program import Program, Step, arguments
+from deixis.sql.program import Program, Step
 from deixis.sql.rules_sql import Node
-from deixis.sql.tables import Columns, Symbols, base_columns
 
 _SETTINGS: Final = {
     "autoinstall_known_extensions": "false",
@@ -56,20 +56,19 @@ class Table:
 
     def rows(self) -> list[tuple[str | float, ...]]:
         """Return the rows with their names, sorted."""
-        values: list[Sequence[str | float]] = [
-            column.tolist() if kind == "number" else self.symbols.texts(column)
-            for kind, column in zip(self.kinds, self.columns, strict=True)
-        ]
-        return sorted(zip(*values, strict=True))
+        return sorted(self._named())
 
     def named(self) -> Iterator[tuple[tuple[str | float, ...], float]]:
         """Yield each row with its names, and its margin."""
+        margins = np.full(len(self), np.inf) if self.margins is None else self.margins
+        return zip(self._named(), margins.tolist(), strict=True)
+
+    def _named(self) -> Iterator[tuple[str | float, ...]]:
         values: list[Sequence[str | float]] = [
             column.tolist() if kind == "number" else self.symbols.texts(column)
             for kind, column in zip(self.kinds, self.columns, strict=True)
         ]
-        margins = np.full(len(self), np.inf) if self.margins is None else self.margins
-        return zip(zip(*values, strict=True), margins.tolist(), strict=True)
+        return zip(*values, strict=True)
 
 
 class SqlExecutor:

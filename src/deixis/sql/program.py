@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from deixis.ruleset import Indicator, Rule, Ruleset
-from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.model import Atom, Comparison, Constant, Expression, Goal, Negation
 from deixis.ruleset.unfold import unfolded
 from deixis.sql.rules_sql import INFINITE, Mode, Names, Node, RuleSql, columns_of

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
+from deixis.ruleset.kinds import rule_lengths
 from deixis.ruleset.model import (
     ORDER,
     Arithmetic,
@@ -26,7 +27,6 @@ from deixis.ruleset.model import (
     Variable,
     variables,
 )
-from deixis.ruleset.kinds import rule_lengths
 from deixis.thresholds import Thresholds
 
 Mode = Literal["truth", "near"]

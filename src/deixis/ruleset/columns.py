@@ -1,9 +1,9 @@
-"""Facts as columns for SQL: every name is a whole number, so text never enters a statement."""
+"""Facts as columns: every name is a whole number, so that no engine has to be handed text."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from deixis.errors import GeometryError
 from deixis.facts import Facts, ViewFacts
 from deixis.frames import HORIZONTAL, WORLD, Array, Index, Mask
-from deixis.ruleset import Indicator
+from deixis.ruleset.model import Indicator
 
 Columns = dict[str, NDArray[np.int64] | Array | Mask]
 """Arguments of a predicate by name, a0, a1 ..., a row for each fact; beside them what FLAGS names."""
@@ -72,7 +72,7 @@ class Symbols:
             found[positions == position] = code
         return found
 
-    def texts(self, codes: NDArray[np.int64]) -> list[str]:
+    def texts(self, codes: NDArray[Any]) -> list[str]:
         """Return the names of many numbers."""
         texts, constants = self._texts, self._constants
         return [texts[code] if code >= 0 else constants[-1 - code] for code in codes.tolist()]
@@ -165,13 +165,13 @@ def _strict(facts: Facts, _: _Labels, symbols: Symbols) -> _Made:
     return *_both(facts, rows.astype(np.int64), symbols), axes, views, margins
 
 
-def _strict_view(view: ViewFacts, symbols: Symbols) -> tuple[Array, ...]:
+def _strict_view(view: ViewFacts, symbols: Symbols) -> _Made:
     return _strict_of(view.rows, HORIZONTAL, view.view, view.int_hs, view.cont_hs, symbols)
 
 
 def _strict_of(
     rows: Index, axes: Sequence[str], view: str, relaxed: Array, margins: Array, symbols: Symbols
-) -> tuple[Array, ...]:
+) -> _Made:
     """Return row, axis, view and margin where the figure meets the halfspace at all."""
     meets = relaxed >= 0.0
     at, axis = np.nonzero(meets)
