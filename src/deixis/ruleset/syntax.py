@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import Any, Final
 
 from lark import Lark, Token, Transformer, v_args
-from lark.exceptions import UnexpectedCharacters, UnexpectedEOF, UnexpectedInput, UnexpectedToken
+from lark.exceptions import UnexpectedEOF, UnexpectedInput, UnexpectedToken
 
 DEEPEST: Final = 60
 """Terms within terms."""
@@ -54,13 +54,10 @@ def read_clause(text: str) -> Raw:
         raise SyntaxProblem(len(text.rstrip()), "the clause ends too early") from None
     except UnexpectedToken as found:
         raise _unexpected(text, found) from None
-    except UnexpectedCharacters as found:
-        character = text[found.pos_in_stream]
-        raise SyntaxProblem(
-            found.pos_in_stream, f"{character!r} means nothing here", _hint_for(character)
-        ) from None
     except UnexpectedInput as found:
-        raise SyntaxProblem(found.pos_in_stream, "the clause cannot be read") from None
+        offset = int(found.pos_in_stream or 0)  # type: ignore[redundant-expr]
+        character = text[offset : offset + 1]
+        raise SyntaxProblem(offset, f"{character!r} means nothing here", _hint_for(text[offset:])) from None
     if raw.depth > DEEPEST:
         raise SyntaxProblem(raw.start, f"terms are nested more than {DEEPEST} deep", "write it flat")
     return raw
@@ -79,7 +76,7 @@ def _unexpected(text: str, found: UnexpectedToken) -> SyntaxProblem:
         return SyntaxProblem(offset, f"{str(token)!r} is not expected here", hint)
     if token.type == "NOT":
         return SyntaxProblem(offset, "'\\+' denies a whole goal", "put it in front of the goal")
-    return SyntaxProblem(offset, f"{str(token)!r} is not expected here", _hint_for(str(token)))
+    return SyntaxProblem(offset, f"{str(token)!r} is not expected here", _hint_for(text[offset:]))
 
 
 def _hint_for(text: str) -> str:
@@ -87,6 +84,8 @@ def _hint_for(text: str) -> str:
         return "less or equal is =<"
     if text.startswith(("!=", "<>")):
         return "numbers differ by =\\=, names by \\=="
+    if text.startswith("."):
+        return "put a space or a new line behind a full stop"
     return ""
 
 
@@ -188,12 +187,12 @@ def _parser() -> Lark:
 
 
 _ESCAPE: Final = re.compile(
-    r"\\(?:x(?P<hex>[0-9a-fA-F]+)\\?|(?P<octal>[0-7]+)\\|u(?P<u>[0-9a-fA-F]{4})|U(?P<U>[0-9a-fA-F]{8})"
+    r"\\(?:x(?P<hex>[0-9a-fA-F]+)\\?|(?P<octal>[0-7]+)\\?|u(?P<u>[0-9a-fA-F]{4})|U(?P<U>[0-9a-fA-F]{8})"
     r"|(?P<newline>\n)|(?P<simple>.))|(?P<twice>''|\"\")",
     re.DOTALL,
 )
 _SIMPLE: Final = {
-    "a": "\a", "b": "\b", "f": "\f", "n": "\n", "r": "\r", "t": "\t", "v": "\v", "0": "\0", "s": " ",
+    "a": "\a", "b": "\b", "f": "\f", "n": "\n", "r": "\r", "t": "\t", "v": "\v", "s": " ",
     "e": "\x1b", "z": None, "\\": "\\", "'": "'", '"': '"', "`": "`", "c": None,
 }  # fmt: skip
 
