@@ -125,6 +125,11 @@ derive(comparison, Mode, Goal, _, _, node(comparison, Goal, Margin, none, [])) :
 derive(fact(Def), _, Goal, _, _, Node) :-
     recall(Goal, Def, Node).
 derive(rule(Def), Mode, Goal, _, Above, node(rule, Goal, Margin, Clause, Children)) :-
+    (   Mode == holds,
+        predicate_property(Def:Goal, tabled)
+    ->  call(Def:Goal)                          % so that no proof stops at a goal like itself
+    ;   true
+    ),
     \+ ( member(Seen, Above), Seen =@= Goal ),
     clause(Def:Goal, Body, Clause),
     derive_all(Body, Mode, Def, [Goal|Above], Children),
@@ -163,6 +168,9 @@ comparison(_ >= _).
 comparison(_ =:= _).
 comparison(_ =\= _).
 comparison(_ \== _).
+comparison(_ == _).
+comparison(_ = _).
+comparison(_ \= _).
 
 %   recall(+Goal, +Module, -Node): a base fact. Numbers that are not lengths come back marked, so that no
 %   comparison of theirs is taken for a margin in metres.
@@ -190,7 +198,9 @@ marked(Goal, Goal).
 %   compares(+Comparison, -Plain, -Margin): Plain can be called; Margin is the length to spare, negative
 %   when the comparison fails, `inf` when no length is compared.
 
-compares(A \== B, A \== B, inf) :- !.
+compares(Goal, Goal, inf) :-
+    names(Goal),
+    !.
 compares(Goal, Plain, Margin) :-
     Goal =.. [Op, A, B],
     value(A, X, Length),
@@ -200,6 +210,11 @@ compares(Goal, Plain, Margin) :-
     ->  Margin = inf
     ;   spare(Op, X, Y, Margin)
     ).
+
+names(_ \== _).
+names(_ == _).
+names(_ = _).
+names(_ \= _).
 
 spare(=<, X, Y, M) :- M is Y - X.
 spare(<, X, Y, M) :- M is Y - X.

@@ -244,7 +244,7 @@ def test_rules_of_ones_own_are_asked_and_explained_like_ours(figure_3: Scene, tm
 def test_rules_that_do_not_load_are_refused(figure_3: Scene, tmp_path: Path) -> None:
     with pytest.raises(RuleError, match="no rule file"):
         KnowledgeBase(figure_3, rules=[tmp_path / "none.pl"]).relations()
-    for text, words in (("p(X) :- q(X", "bad.pl:1"), ("p(X, Y) :- near(X, _).\n", "Singleton")):
+    for text, words in (("p(X) :- q(X", "bad.pl:1"), ("p(X) :- near(X, Y).\n", "Singleton")):
         bad = tmp_path / "bad.pl"
         bad.write_text(text, encoding="utf-8")
         kb = KnowledgeBase(figure_3, rules=[bad])

@@ -12,7 +12,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from deixis import vocabulary
 from deixis._files import rules_dir
 from deixis.errors import QueryError
 from deixis.facts import Facts, RegionModel, SolidModel, region_model
@@ -23,8 +22,10 @@ from deixis.thresholds import SNAP_DECIMALS
 from deixis.vocabulary import BASE, RELATIONS
 
 if TYPE_CHECKING:
+    from deixis.engines import Engine, Found
     from deixis.explain import Answer
-    from deixis.prolog import Answers, PrologEngine, Term
+    from deixis.prolog import Answers, PrologEngine
+    from deixis.ruleset import Indicator, Ruleset
 
 _ORDER = {term.name: position for position, term in enumerate((*BASE, *RELATIONS))}
 
@@ -93,7 +94,8 @@ class KnowledgeBase:
     ----------
     scene : Scene
     rules : sequence of path
-        Rule files of the user's own, loaded after the theory's.
+        Rule files of the user's own, in the subset that ``deixis rules check`` checks, loaded after the
+        theory's. They are checked before any engine sees them.
     region : "box", "hull" or "mesh"
         What things are measured as: their boxes, convex hulls, or meshes where they have one (decision 0017).
 
@@ -178,6 +180,24 @@ class KnowledgeBase:
         views = [(view.id, view.label) for view in self.scene.views]
         return facts_text(self.facts, views, readable=readable)
 
+    @cached_property
+    def ruleset(self) -> Ruleset:
+        """Return the rules, read and checked.
+
+        Raises
+        ------
+        RuleError
+            A rule file does not exist, or something is wrong with it.
+        """
+        from deixis.ruleset import load
+
+        return load(datalog_files(), self._rules)
+
+    @property
+    def tabled(self) -> list[Indicator]:
+        """Return the user's predicates that need tables in Prolog, since they are recursive."""
+        return sorted(self.ruleset.graph.recursive) if self._rules else []
+
     @property
     def engine(self) -> PrologEngine:
         """Return the logic engine with rules and facts loaded, started if need be."""
@@ -186,7 +206,7 @@ class KnowledgeBase:
                 from deixis.prolog import PrologEngine
 
                 # Starting does not wait: Prolog comes up while the geometry is grounded.
-                engine = PrologEngine([*theory_files(), *self._rules])
+                engine = PrologEngine([*theory_files(), *self._rules], tabled=self.tabled)
                 try:
                     engine.load(self.facts_text(readable=False))
                 except BaseException:
@@ -196,7 +216,12 @@ class KnowledgeBase:
             return self._engine
 
     def relations(
-        self, *, view: str | None = None, relation: Iterable[str] | None = None, timeout: float = 60.0
+        self,
+        *,
+        view: str | None = None,
+        relation: Iterable[str] | None = None,
+        timeout: float = 60.0,
+        engine: Engine = "duckdb",
     ) -> tuple[Relation, ...]:
         """Return the relations that hold, in the order of the vocabulary, then by ids.
 
@@ -206,9 +231,12 @@ class KnowledgeBase:
             Only this view's horizontal relations; those that depend on no view are always included.
         relation : iterable of str, optional
             Only these relations; by default all that people speak in. Base relations (``touches``,
-            ``east_r`` ...) are given when named.
+            ``east_r`` ...) and predicates of the user's rule files with two or three names for arguments
+            are given when named; a third argument is taken for the view.
         timeout : float
             Seconds.
+        engine : {"duckdb", "prolog", "sparql"}
+            What derives them; the answer is the same.
 
         Raises
         ------
@@ -216,22 +244,56 @@ class KnowledgeBase:
             Unknown view or relation.
         QueryTimeout
             It took longer than ``timeout``.
+        RuleError
+            Something is wrong with a rule file.
         """
-        wanted = RELATIONS if relation is None else tuple(_term(name) for name in dict.fromkeys(relation))
+        names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
+        wanted = [predicate for name in names for predicate in self._predicates(name)]
         if view is not None:
             self.check_view(view)
-        from deixis.prolog import Atom
-
-        predicates: list[Term] = [[Atom(term.name), term.arity] for term in wanted]
-        rows: Any = self.engine.call("margins", *predicates, timeout=timeout)
-        views = {term.name for term in wanted if term.view}
         found = [
-            Relation(row[0], row[1], row[2], row[3] if row[0] in views else None, _rounded(row[-1]))
-            for row in rows
-            if view is None or row[0] not in views or row[3] == view
+            Relation(name, row[0], row[1], row[2] if arity == 3 else None, _rounded(margin))
+            for (name, arity), row, margin in self._derive(engine, wanted, timeout)
+            if view is None or arity == 2 or row[2] == view
         ]
-        found.sort(key=lambda one: (_ORDER[one.relation], one.figure, one.reference, one.view or ""))
+        last = len(_ORDER)
+        found.sort(
+            key=lambda one: (
+                _ORDER.get(one.relation, last),
+                one.relation,
+                one.figure,
+                one.reference,
+                one.view or "",
+            )
+        )
         return tuple(found)
+
+    def _derive(self, engine: Engine, wanted: Sequence[Indicator], timeout: float) -> Iterable[Found]:
+        from deixis import engines
+
+        if engine == "prolog":
+            return engines.by_prolog(self.engine, wanted, timeout)
+        derived = engines.by_sparql if engine == "sparql" else engines.by_sql
+        labels = [(one.id, one.label) for one in self.scene.views]
+        return derived(self.ruleset, self.facts, labels, wanted, timeout)
+
+    def _predicates(self, name: str) -> list[Indicator]:
+        """Return the predicates that a relation's name stands for."""
+        known = {term.name: term.arity for term in (*BASE, *RELATIONS)}
+        if name in known:
+            return [(name, known[name])]
+        own = self.ruleset.user if self._rules else frozenset()
+        listed = {one: self.ruleset.kinds[one] for one in own if one[1] in (2, 3)}
+        found = [one for one in sorted(listed) if one[0] == name]
+        if not found:
+            raise QueryError(f"no relation {name!r}{_hint(name, [*known, *sorted(n for n, _ in listed)])}")
+        for predicate in found:
+            if set(listed[predicate]) != {"name"}:
+                raise QueryError(
+                    f"{name}/{predicate[1]} is no relation of things: one of its arguments is no name; "
+                    f"ask for it as a goal"
+                )
+        return found
 
     def ask(self, goal: str, *, limit: int | None = None, timeout: float = 10.0) -> Answers:
         """Return the answers to a Prolog goal such as ``on_top_of(X, table)``.
@@ -279,11 +341,9 @@ def theory_files() -> tuple[Path, ...]:
     return tuple(rules / f"{name}.pl" for name in names)
 
 
-def _term(name: str) -> vocabulary.Term:
-    known = {term.name: term for term in (*BASE, *RELATIONS)}
-    if name not in known:
-        raise QueryError(f"no relation {name!r}{_hint(name, list(known))}")
-    return known[name]
+def datalog_files() -> tuple[Path, ...]:
+    """Return the rule files of the theory that are in the subset every engine runs, in loading order."""
+    return tuple(rules_dir() / f"{name}.pl" for name in ("facts", "topology", "direction", "commonsense"))
 
 
 def _rounded(margin: float | None) -> float | None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from deixis import __version__
+from deixis.cli import rules as rules_commands
 from deixis.cli.output import Format, printable, printable_lines, records, write_csv, write_json, write_table
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+app.add_typer(rules_commands.app, name="rules")
 
 
 class Region(StrEnum):
@@ -46,10 +49,22 @@ RegionOption = Annotated[
 ]
 Seconds = Annotated[float, typer.Option("--timeout", min=0.001, help="Seconds before giving up.")]
 
+RuleFiles = Annotated[
+    list[Path] | None, typer.Option("--rules", metavar="FILE", help="Your own rules; may be repeated.")
+]
+
 RELATION_COLUMNS = ("relation", "figure", "reference", "view", "margin")
 
 _NAMED = 5
 """Things named in a message before it is cut short."""
+
+
+class EngineName(StrEnum):
+    """What derives relations."""
+
+    DUCKDB = "duckdb"
+    PROLOG = "prolog"
+    SPARQL = "sparql"
 
 
 class TextOrJson(StrEnum):
@@ -74,11 +89,11 @@ def _options(
     pass
 
 
-def _open(scene: Path, region: Region) -> KnowledgeBase:
+def _open(scene: Path, region: Region, rules: list[Path] | None = None) -> KnowledgeBase:
     """Return the knowledge base of a scene file; say on stderr what its readers should know."""
     from deixis.knowledge import KnowledgeBase
 
-    kb = KnowledgeBase.from_scene(scene, region=region.value)
+    kb = KnowledgeBase.from_scene(scene, rules=rules or (), region=region.value)
     _warn(kb.scene.diagnostics)
     if kb.box_only:
         some = ", ".join(kb.box_only[:_NAMED]) + (" ..." if len(kb.box_only) > _NAMED else "")
@@ -101,10 +116,14 @@ def relations(
     region: RegionOption = Region.BOX,
     output: Annotated[Format, typer.Option("--format", help="How to print them.")] = Format.TABLE,
     timeout: Seconds = 60.0,
+    rules: RuleFiles = None,
+    engine: Annotated[
+        EngineName, typer.Option(help="What derives them; all give the same.")
+    ] = EngineName.DUCKDB,
 ) -> None:
     """Print the relations that hold in a scene, each with its margin in metres."""
-    with _open(scene, region) as kb:
-        found = kb.relations(view=view, relation=relation, timeout=timeout)
+    with _open(scene, region, rules) as kb:
+        found = kb.relations(view=view, relation=relation, timeout=timeout, engine=engine.value)
         if output is Format.JSON:
             write_json(
                 {
@@ -167,11 +186,12 @@ def ask(
     ] = TextOrJson.TEXT,
     limit: Annotated[int | None, typer.Option(min=1, help="At most this many answers.")] = None,
     timeout: Seconds = 10.0,
+    rules: RuleFiles = None,
 ) -> None:
     """Answer a question; exit code 0 when there is an answer, 1 when there is none."""
     from deixis.prolog import Variable, term_json, term_text
 
-    with _open(scene, region) as kb:
+    with _open(scene, region, rules) as kb:
         answers = kb.ask(goal, limit=limit, timeout=timeout)
     if output is TextOrJson.JSON:
         write_json(
@@ -205,9 +225,10 @@ def why(
     region: RegionOption = Region.BOX,
     output: Annotated[TextOrJson, typer.Option("--format", help="How to print the proof.")] = TextOrJson.TEXT,
     timeout: Seconds = 10.0,
+    rules: RuleFiles = None,
 ) -> None:
     """Explain why a relation holds, down to the measured numbers; exit code 1 when it does not hold."""
-    with _open(scene, region) as kb:
+    with _open(scene, region, rules) as kb:
         answer = kb.why(goal, timeout=timeout)
     if output is TextOrJson.JSON:
         write_json({"goal": goal, **answer.to_dict()})
@@ -220,13 +241,14 @@ def why(
 
 
 @app.command()
-def shell(scene: ScenePath, region: RegionOption = Region.BOX) -> None:
+def shell(scene: ScenePath, region: RegionOption = Region.BOX, rules: RuleFiles = None) -> None:
     """Open SWI-Prolog with a scene and the rules loaded."""
     from deixis.knowledge import theory_files
     from deixis.prolog.shell import exec_shell
 
-    kb = _open(scene, region)
-    exec_shell(theory_files(), kb.facts_text(readable=False))
+    kb = _open(scene, region, rules)
+    tabled = kb.tabled
+    exec_shell([*theory_files(), *(rules or ())], kb.facts_text(readable=False), tabled)
 
 
 @app.command(name="import")

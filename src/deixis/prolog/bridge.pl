@@ -3,7 +3,7 @@
 A request is the text of one term, written by quote.py and text.py. A reply is one JSON object,
 `{"ok": ...}` or `{"error": Kind, "message": ..., ...}`; terms in it are typed as terms.py describes.
 
-  | rules(Files)                 | true: the rule files are loaded                   |
+  | rules(Files, Tabled)         | true: the rule files are loaded                   |
   | load(Facts)                  | replace all facts; how many there are             |
   | ask(Text, Limit, Inferences) | rows of bindings, whether cut short, its output   |
   | relations([Name/Arity, ...]) | all answers of these predicates, sorted, distinct |
@@ -78,8 +78,9 @@ reply(Text, Reply) :-
     perform(Request, Result),
     json_text(json([ok = Result]), Reply).
 
-perform(rules(Files), true) :-
+perform(rules(Files, Tabled), true) :-
     maplist(load_rules, Files),
+    maplist(keep_answers, Tabled),
     retractall(loading),
     findall(Complaint, retract(complaint(Complaint)), Complaints),
     (   Complaints == []
@@ -124,6 +125,17 @@ load_rules(File) :-
     catch(load_files(question:File, [if(not_loaded), must_be_module(false)]),
           Error,
           print_message(error, Error)).
+
+%   keep_answers(+Indicator): table a predicate wherever a rule file defines it, so that recursion ends.
+
+keep_answers(Name/Arity) :-
+    functor(Head, Name, Arity),
+    forall(( current_module(Module),
+             module_property(Module, class(user)),
+             current_predicate(Module:Name/Arity),
+             \+ predicate_property(Module:Head, imported_from(_))
+           ),
+           table(Module:Name/Arity)).
 
 %   Base facts are what module `facts` declares dynamic, and nothing else can be loaded.
 

@@ -65,6 +65,8 @@ class PrologEngine:
     rule_files : sequence of path
         In the order of loading. Files with a module header are imported; others see all that was
         imported before.
+    tabled : sequence of (str, int)
+        Predicates of the rule files whose answers are kept in tables, so that recursion ends.
     memory_bytes : int
         Address space of the child.
 
@@ -82,11 +84,18 @@ class PrologEngine:
     Answers(bindings=({'X': Atom('cup')},), truncated=True, output='')
     """
 
-    def __init__(self, rule_files: Sequence[Path], *, memory_bytes: int = MEMORY) -> None:
+    def __init__(
+        self,
+        rule_files: Sequence[Path],
+        *,
+        tabled: Sequence[tuple[str, int]] = (),
+        memory_bytes: int = MEMORY,
+    ) -> None:
         self._rules = tuple(Path(file).resolve() for file in rule_files)
         for file in self._rules:
             if not file.is_file():
                 raise RuleError(f"there is no rule file {file}")
+        self._tabled = ",".join(f"{atom(name)}/{arity}" for name, arity in tabled)
         self._memory = memory_bytes
         self._facts: str | None = None
         self._lock = threading.Lock()
@@ -276,7 +285,8 @@ class PrologEngine:
         prolog = find_prolog()
         self._child = child = Child(prolog.library, prolog.home, find_pyswip(), self._memory)
         self._starting = True
-        child.send(f"rules([{','.join(atom(str(file)) for file in self._rules)}])", None)
+        files = ",".join(atom(str(file)) for file in self._rules)
+        child.send(f"rules([{files}],[{self._tabled}])", None)
         return child
 
     def _greet(self, child: Child) -> None:

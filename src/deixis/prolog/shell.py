@@ -14,7 +14,7 @@ from deixis.errors import PrologNotFoundError
 from deixis.prolog.find import find_prolog
 
 
-def exec_shell(rule_files: Sequence[Path], facts: str) -> NoReturn:
+def exec_shell(rule_files: Sequence[Path], facts: str, tabled: Sequence[tuple[str, int]] = ()) -> NoReturn:
     """Replace this process by SWI-Prolog with rule files and base facts loaded.
 
     Parameters
@@ -22,6 +22,9 @@ def exec_shell(rule_files: Sequence[Path], facts: str) -> NoReturn:
     rule_files : sequence of Path
     facts : str
         One Prolog list of base facts; it passes through a private file that the shell deletes.
+
+    tabled : sequence of (str, int)
+        Predicates whose answers are kept in tables, so that recursion ends.
 
     Raises
     ------
@@ -39,4 +42,8 @@ def exec_shell(rule_files: Sequence[Path], facts: str) -> NoReturn:
     sys.stdout.flush()
     sys.stderr.flush()
     arguments = ["-q", "-f", "none", "-g", "shell:start", str(rules_dir() / "shell.pl")]
-    os.execv(swipl, [str(swipl), *arguments, "--", name, *map(str, rule_files)])  # noqa: S606 - a fixed program
+    told = [
+        *(str(file.resolve()) for file in rule_files),
+        *(f"table:{arity}:{predicate}" for predicate, arity in tabled),
+    ]
+    os.execv(swipl, [str(swipl), *arguments, "--", name, *told])  # noqa: S606 - a fixed program

@@ -1,0 +1,6 @@
+"""The rules as SQL on DuckDB: all relations of a scene at once, with their margins."""
+
+from deixis.sql.executor import SqlExecutor, Table
+from deixis.sql.script import script
+
+__all__ = ["SqlExecutor", "Table", "script"]

@@ -1,0 +1,299 @@
+"""SqlExecutor: all that follows from a scene's facts, derived set at a time by DuckDB."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Final
+
+import duckdb
+import numpy as np
+from numpy.typing import NDArray
+
+from deixis.errors import EngineError, QueryTimeout
+from deixis.facts import Facts
+from deixis.frames import Array
+from deixis.ruleset import Indicator, Kind, Rule, Ruleset
+from deixis.ruleset.base import BASE_FACTS
+from deixis.ruleset.columns import Columns, Symbols, base_columns
+from deixis.ruleset.model import Constant
+from deixis.sql.program import Program, Step
+from deixis.sql.rules_sql import Node
+
+_SETTINGS: Final = {
+    "autoinstall_known_extensions": "false",
+    "autoload_known_extensions": "false",
+    "enable_external_access": "false",
+}
+
+
+@dataclass(frozen=True)
+class Table:
+    """All rows of one predicate.
+
+    Attributes
+    ----------
+    kinds : tuple of {"name", "number", "string"}
+        Of the columns.
+    columns : tuple of (n,) array
+        Numbers as they are; names and strings by their number in ``symbols``.
+    margins : (n,) float or None
+        Beside each row the metres by which a length would have to change for it to cease, infinite where
+        no length decides; None where no margins were asked for.
+    symbols : Symbols
+    """
+
+    kinds: tuple[Kind, ...]
+    columns: tuple[NDArray[np.int64] | Array, ...]
+    margins: Array | None
+    symbols: Symbols
+
+    def __len__(self) -> int:
+        return len(self.columns[0])
+
+    def rows(self) -> list[tuple[str | float, ...]]:
+        """Return the rows with their names, sorted."""
+        return sorted(self._named())
+
+    def named(self) -> Iterator[tuple[tuple[str | float, ...], float]]:
+        """Yield each row with its names, and its margin."""
+        margins = np.full(len(self), np.inf) if self.margins is None else self.margins
+        return zip(self._named(), margins.tolist(), strict=True)
+
+    def _named(self) -> Iterator[tuple[str | float, ...]]:
+        values: list[Sequence[str | float]] = [
+            column.tolist() if kind == "number" else self.symbols.texts(column)
+            for kind, column in zip(self.kinds, self.columns, strict=True)
+        ]
+        return zip(*values, strict=True)
+
+
+_AGAIN: Final = 0.01
+"""Seconds between two attempts to stop what takes too long."""
+
+
+class SqlExecutor:
+    """A database in memory that derives what a ruleset says of any scene.
+
+    It reads and writes no file and loads no extension. Statements are compiled once for the predicates
+    asked for, and hold no text: names are numbers, thresholds are parameters.
+
+    Parameters
+    ----------
+    ruleset : Ruleset
+    threads : int, optional
+        By default as many as there are processors.
+
+    Examples
+    --------
+    >>> from deixis._files import kb_dir, rules_dir
+    >>> from deixis.grounding import ground
+    >>> from deixis.ruleset import load
+    >>> from deixis.scene import Scene
+    >>> names = ("facts", "topology", "direction", "commonsense")
+    >>> facts = ground(Scene.load(kb_dir() / "scenes" / "hans.json"))
+    >>> with SqlExecutor(load([rules_dir() / f"{name}.pl" for name in names])) as sql:
+    ...     found = sql.run(facts, [("leans_on", 2)])
+    >>> found["leans_on", 2].rows()
+    [('extinguisher2', 'wall')]
+    """
+
+    def __init__(self, ruleset: Ruleset, *, threads: int | None = None) -> None:
+        self.ruleset = ruleset
+        settings: dict[str, str | bool | int | float | list[str]] = dict(_SETTINGS)
+        settings["threads"] = threads or os.cpu_count() or 1
+        self._connection = duckdb.connect(":memory:", config=settings)
+        self._connection.execute("SET lock_configuration = true")
+        self._programs: dict[tuple[tuple[Indicator, ...], bool], tuple[Program, str]] = {}
+        self._lock = threading.Lock()
+
+    def __enter__(self) -> SqlExecutor:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give up the database."""
+        self._connection.close()
+
+    def run(
+        self,
+        facts: Facts,
+        wanted: Sequence[Indicator],
+        *,
+        view_labels: Sequence[tuple[str, str]] = (),
+        margins: bool = True,
+        timeout: float | None = None,
+    ) -> dict[Indicator, Table]:
+        """Return all rows of some predicates.
+
+        Parameters
+        ----------
+        facts : Facts
+        wanted : sequence of (str, int)
+            Names and numbers of arguments.
+        view_labels : sequence of (str, str)
+            Id and label of each view.
+        margins : bool
+            Whether to find the margin of each row too.
+        timeout : float, optional
+            Seconds.
+
+        Raises
+        ------
+        QueryTimeout
+            It took longer.
+        EngineError
+            DuckDB failed, for want of memory for instance.
+        GeometryError
+            A measured number is not finite.
+        """
+        with self._lock:
+            program, statement = self._program(tuple(dict.fromkeys(wanted)), margins)
+            symbols = Symbols(facts.ids, program.constants)
+            tables = {
+                name: base_columns(one, facts, view_labels, symbols)
+                if one in BASE_FACTS
+                else _listed(program.given[one], self.ruleset.kinds[one], symbols)
+                for one, name in program.given_tables.items()
+            }
+            limits = {name: value for name, value in facts.thresholds.items() if name in program.thresholds}
+            with self._answering(timeout), self._registered(tables):
+                for step in program.steps if program.recursive else ():
+                    self._derive(program, step, limits)
+                found = self._execute(statement, limits).fetchnumpy()
+        return _tables(program, found, symbols)
+
+    def _program(self, wanted: tuple[Indicator, ...], margins: bool) -> tuple[Program, str]:
+        known = self._programs.get((wanted, margins))
+        if known is None:
+            program = Program(self.ruleset, wanted, margins=margins)
+            known = program, program.statement()
+            self._programs[wanted, margins] = known
+        return known
+
+    def _execute(self, statement: str, limits: Mapping[str, float]) -> duckdb.DuckDBPyConnection:
+        used = {name: value for name, value in limits.items() if f"${name}" in statement}
+        return self._connection.execute(statement, used or None)
+
+    def _derive(self, program: Program, step: Step, limits: Mapping[str, float]) -> None:
+        """Make the tables of one step; of a recursive one by adding what follows from what is new."""
+        for node in step.nodes:
+            table = program.table(node, _first(program, node, step))
+            name = program.names.tables[node]
+            self._execute(f"CREATE OR REPLACE TEMP TABLE {name} AS {table}", limits)
+            if step.recursive:
+                self._execute(f"CREATE OR REPLACE TEMP TABLE {name}_new AS FROM {name}", limits)
+        if not step.recursive:
+            return
+        while True:
+            added = 0
+            for node in step.nodes:
+                added += self._grow(program, node, step, limits)
+            for node in step.nodes:
+                name = program.names.tables[node]
+                self._execute(f"CREATE OR REPLACE TEMP TABLE {name}_new AS FROM {name}_next", limits)
+                self._execute(f"INSERT INTO {name} FROM {name}_new", limits)
+            if not added:
+                break
+        if program.margins:
+            for node in step.nodes:
+                name = program.names.tables[node]
+                table = program.table(node, [f"FROM {name}"])
+                self._execute(f"CREATE OR REPLACE TEMP TABLE {name} AS {table}", limits)
+
+    def _grow(self, program: Program, node: Node, step: Step, limits: Mapping[str, float]) -> int:
+        """Find the rows that follow from the newest ones and are not known, or have a wider margin."""
+        name = program.names.tables[node]
+        selects = list(program.selects(node, step.nodes))
+        if not selects:
+            self._execute(f"CREATE OR REPLACE TEMP TABLE {name}_next AS FROM {name} LIMIT 0", limits)
+            return 0
+        same = [f"known.a{at} = found.a{at}" for at in range(node[0][1])]
+        if program.margins:
+            same.append("known.m >= found.m")
+        found = program.table(node, selects)
+        self._execute(
+            f"CREATE OR REPLACE TEMP TABLE {name}_next AS SELECT found.* FROM ({found}) found "
+            f"WHERE NOT EXISTS (SELECT 1 FROM {name} known WHERE {' AND '.join(same)})",
+            limits,
+        )
+        row: Any = self._execute(f"SELECT count(*) FROM {name}_next", limits).fetchone()
+        return int(row[0])
+
+    @contextmanager
+    def _registered(self, tables: Mapping[str, Columns]) -> Iterator[None]:
+        """Make the columns readable as tables, without a copy."""
+        try:
+            for name, columns in tables.items():
+                self._connection.register(name, columns)
+            yield
+        finally:
+            for name in tables:
+                self._connection.unregister(name)
+
+    @contextmanager
+    def _answering(self, timeout: float | None) -> Iterator[None]:
+        """Stop what takes too long, and turn DuckDB's errors into ours."""
+        done, late = threading.Event(), threading.Event()
+
+        def watch() -> None:
+            if done.wait(timeout):
+                return
+            late.set()
+            # What comes between two statements interrupts neither of them.
+            while not done.wait(_AGAIN):
+                self._connection.interrupt()
+
+        watcher = None if timeout is None else threading.Thread(target=watch, daemon=True)
+        if watcher is not None:
+            watcher.start()
+        try:
+            yield
+        except duckdb.InterruptException:
+            late.set()
+        except duckdb.Error as error:
+            raise EngineError(f"the rules cannot be run in SQL: {error}") from error
+        finally:
+            done.set()
+            if watcher is not None:
+                watcher.join()
+        if late.is_set():
+            raise QueryTimeout(f"no answer within {timeout:g} s: ask something narrower, or allow more time")
+
+
+def _first(program: Program, node: Node, step: Step) -> list[str]:
+    """Return the SELECTs of a node, which in a recursive step find nothing in tables not made yet."""
+    return list(program.selects(node)) if not step.recursive else list(program.seeds(node, step.nodes))
+
+
+def _listed(rules: Sequence[Rule], kinds: Sequence[Kind], symbols: Symbols) -> Columns:
+    """Return facts that are written in rule files as columns, each once."""
+    rows = dict.fromkeys(
+        tuple(one.value for one in rule.head.args if isinstance(one, Constant)) for rule in rules
+    )
+    columns: Columns = {}
+    for at, kind in enumerate(kinds):
+        values = [row[at] for row in rows]
+        if kind == "number":
+            columns[f"a{at}"] = np.array(values, dtype=np.float64)
+        else:
+            columns[f"a{at}"] = symbols.codes(str(value) for value in values)
+    return columns
+
+
+def _tables(program: Program, found: Mapping[str, Any], symbols: Symbols) -> dict[Indicator, Table]:
+    tables = {}
+    for at, predicate in enumerate(program.wanted):
+        rows = np.flatnonzero(found["r"] == at)
+        kinds = program.ruleset.kinds[predicate]
+        columns = tuple(
+            found[f"{'d' if kind == 'number' else 'c'}{place}"][rows] for place, kind in enumerate(kinds)
+        )
+        margins = found["m"][rows] if program.margins else None
+        tables[predicate] = Table(kinds, columns, margins, symbols)
+    return tables

@@ -1,0 +1,272 @@
+"""All rules as SQL: what has to be computed, in which order, and the statements for it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from deixis.ruleset import Indicator, Rule, Ruleset
+from deixis.ruleset.model import Atom, Comparison, Constant, Expression, Goal, Negation
+from deixis.ruleset.unfold import unfolded
+from deixis.sql.rules_sql import INFINITE, Mode, Names, Node, RuleSql, columns_of
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Tables that are computed together.
+
+    Attributes
+    ----------
+    nodes : tuple of Node
+    recursive : bool
+        Whether they rest on each other.
+    """
+
+    nodes: tuple[Node, ...]
+    recursive: bool
+
+
+class Program:
+    """The statements that derive some predicates from the facts.
+
+    Parameters
+    ----------
+    ruleset : Ruleset
+    wanted : sequence of Indicator
+        What is to be derived.
+    margins : bool
+        Whether each row has its margin beside it.
+    """
+
+    def __init__(self, ruleset: Ruleset, wanted: Sequence[Indicator], *, margins: bool) -> None:
+        self.ruleset, self.wanted, self.margins = ruleset, tuple(wanted), margins
+        written = unfolded(ruleset)
+        every, self._once = written.rules, written.once
+        self._rules = {one: tuple(rule for rule in rules if rule.body) for one, rules in every.items()}
+        self.given = {one: tuple(rule for rule in rules if not rule.body) for one, rules in every.items()}
+        self.thresholds: set[str] = set()
+        self._read: set[str] = set()
+        needed = self._needed()
+        self.steps = tuple(self._ordered(needed))
+        self.constants = tuple(sorted(set(self._constants(needed))))
+        self.names = Names(
+            tables=self._tables(needed),
+            has_margin=frozenset(n for n in needed if margins and self._rules.get(n[0])),
+            codes={text: -1 - at for at, text in enumerate(self.constants)},
+            lengths=ruleset.lengths,
+            margins=margins,
+        )
+        self._result = self._select_all()
+        self._read |= {self.names.tables[one, "truth"] for one in self.wanted}
+        names = {one: self.given_name(one) for one, _ in sorted(needed)}
+        self.given_tables = {one: name for one, name in names.items() if name in self._read}
+
+    @property
+    def recursive(self) -> bool:
+        """Return whether it takes more than one statement."""
+        return any(step.recursive for step in self.steps)
+
+    def _needed(self) -> set[Node]:
+        """Return the tables that the wanted ones rest on."""
+        found: set[Node] = set()
+        todo: list[Node] = [(one, "truth") for one in self.wanted]
+        while todo:
+            node = todo.pop()
+            if node in found:
+                continue
+            found.add(node)
+            for rule in self._rules.get(node[0], ()):
+                todo += self._uses(rule, node[1])
+        return found
+
+    def _uses(self, rule: Rule, mode: Mode) -> Iterator[Node]:
+        for goal in rule.body:
+            if isinstance(goal, Atom):
+                yield goal.predicate, mode
+            elif isinstance(goal, Negation):
+                inner = [one.predicate for one in goal.goals if isinstance(one, Atom)]
+                if mode == "truth":
+                    yield from ((one, "truth") for one in inner)
+                if self.margins:
+                    yield from ((one, "near") for one in inner)
+
+    def _ordered(self, needed: set[Node]) -> Iterator[Step]:
+        """Yield the tables that have rules, each after those it rests on: first how near, then what holds."""
+        recursive = self.ruleset.graph.recursive
+        modes: tuple[Mode, ...] = ("near", "truth")
+        for mode in modes:
+            for component in self.ruleset.graph.components:
+                nodes = [(one, mode) for one in sorted(component) if (one, mode) in needed]
+                nodes = [node for node in nodes if self._rules.get(node[0])]
+                if nodes:
+                    yield Step(tuple(nodes), any(one in recursive for one, _ in nodes))
+
+    def _constants(self, needed: set[Node]) -> Iterator[str]:
+        for predicate, _ in needed:
+            for rule in self._rules.get(predicate, ()):
+                for goal in (rule.head, *rule.body):
+                    yield from _texts(goal)
+
+    def _tables(self, needed: set[Node]) -> dict[Node, str]:
+        """Return the name of each node's table: derived by rules, or given as facts."""
+        return {
+            (predicate, mode): table_name(self.ruleset, predicate, mode)
+            if self._rules.get(predicate)
+            else self.given_name(predicate)
+            for predicate, mode in needed
+        }
+
+    def given_name(self, predicate: Indicator) -> str:
+        """Return the table of a predicate's facts."""
+        return table_name(self.ruleset, predicate, "given")
+
+    def selects(self, node: Node, delta: Sequence[Node] = ()) -> Iterator[str]:
+        """Yield a SELECT for each rule of a node.
+
+        Parameters
+        ----------
+        node : Node
+        delta : sequence of Node
+            Where given, only what follows from the new rows of these: for each of their places in a body a
+            SELECT that reads the new rows there.
+        """
+        predicate, mode = node
+        for rule in self._rules[predicate]:
+            if not delta:
+                yield self._select(rule, mode, {})
+                continue
+            for at, goal in enumerate(rule.body):
+                if isinstance(goal, Atom) and (goal.predicate, mode) in delta:
+                    yield self._select(rule, mode, {at: f"{self.names.tables[goal.predicate, mode]}_new"})
+        if self.given[predicate] and not delta:
+            yield self._facts(predicate)
+
+    def seeds(self, node: Node, together: Sequence[Node]) -> Iterator[str]:
+        """Yield what a recursive node begins with: its facts, and what follows without the others."""
+        predicate, mode = node
+        rules = [
+            rule
+            for rule in self._rules[predicate]
+            if not any(isinstance(goal, Atom) and (goal.predicate, mode) in together for goal in rule.body)
+        ]
+        for rule in rules:
+            yield self._select(rule, mode, {})
+        margin = f", {INFINITE} AS m" if self.margins else ""
+        if self.given[predicate]:
+            yield self._facts(predicate)
+        elif not rules:
+            columns = (
+                f"0::{one.split()[1]} AS {one.split()[0]}"
+                for one in columns_of(self.ruleset.kinds[predicate])
+            )
+            yield f"SELECT {', '.join(columns)}{margin} WHERE FALSE"
+
+    def _facts(self, predicate: Indicator) -> str:
+        name = self.given_name(predicate)
+        self._read.add(name)
+        margin = f", {INFINITE} AS m" if self.margins else ""
+        return f"SELECT {arguments(predicate)}{margin} FROM {name}"
+
+    def _select(self, rule: Rule, mode: Mode, tables: dict[int, str]) -> str:
+        compiler = RuleSql(self.names, rule, mode, tables)
+        text = compiler.select()
+        self.thresholds |= compiler.thresholds
+        self._read |= compiler.tables
+        return text
+
+    def table(self, node: Node, selects: Sequence[str]) -> str:
+        """Return a SELECT of all rows of a node, each once, with the widest of its margins."""
+        columns = arguments(node[0])
+        union = " UNION ALL ".join(selects)
+        if node[0] in self._once:
+            return union
+        if self.margins:
+            return f"SELECT {columns}, max(m) AS m FROM ({union}) GROUP BY {columns}"
+        return f"SELECT DISTINCT {columns} FROM ({union})"
+
+    def result(self) -> str:
+        """Return a SELECT of all wanted rows: r, which of the wanted; c0 ..., names; d0 ..., numbers; m."""
+        widest = max((arity for _, arity in self.wanted), default=0)
+        parts = []
+        for at, predicate in enumerate(self.wanted):
+            kinds = self.ruleset.kinds[predicate]
+            columns = [f"{at} AS r"]
+            for place in range(widest):
+                known = place < len(kinds)
+                is_number = known and kinds[place] == "number"
+                columns.append(
+                    f"a{place} AS c{place}" if known and not is_number else f"0::BIGINT AS c{place}"
+                )
+                if place in self.numbers:
+                    columns.append(f"a{place} AS d{place}" if is_number else f"0::DOUBLE AS d{place}")
+            node: Node = (predicate, "truth")
+            if self.margins:
+                columns.append("m" if node in self.names.has_margin else f"{INFINITE} AS m")
+            parts.append(f"SELECT {', '.join(columns)} FROM {self.names.tables[node]}")
+        return " UNION ALL ".join(parts)
+
+    @cached_property
+    def numbers(self) -> frozenset[int]:
+        """Return the places where a wanted predicate has a number."""
+        return frozenset(
+            place
+            for one in self.wanted
+            for place, kind in enumerate(self.ruleset.kinds[one])
+            if kind == "number"
+        )
+
+    def statement(self) -> str:
+        """Return the statement that gives all wanted rows.
+
+        Where rules are recursive the tables of all steps must be there; otherwise it derives them itself.
+        """
+        return self._result
+
+    def _select_all(self) -> str:
+        nodes = [node for step in self.steps for node in step.nodes]
+        parts = [
+            f"{self.names.tables[node]} AS ({self.table(node, list(self.selects(node)))})" for node in nodes
+        ]
+        if self.recursive:
+            return self.result()
+        return (f"WITH {', '.join(parts)} " if parts else "") + self.result()
+
+
+def arguments(predicate: Indicator) -> str:
+    """Return the argument columns of a predicate.
+
+    Examples
+    --------
+    >>> arguments(("near", 2))
+    'a0, a1'
+    """
+    return ", ".join(f"a{at}" for at in range(predicate[1]))
+
+
+def table_name(ruleset: Ruleset, predicate: Indicator, what: str) -> str:
+    """Return the name of a table of a predicate: only small letters, digits and _, whatever it is called."""
+    plain = _plain(predicate)
+    same = [one for one in sorted(ruleset.kinds) if _plain(one) == plain]
+    return f"{plain}_{what}" if len(same) == 1 else f"{plain}_{same.index(predicate)}_{what}"
+
+
+def _plain(predicate: Indicator) -> str:
+    return f"{re.sub('[^a-z0-9_]', '_', predicate[0])}_{predicate[1]}"
+
+
+def _texts(goal: Goal | Expression) -> Iterator[str]:
+    match goal:
+        case Constant():
+            if goal.kind != "number":
+                yield str(goal.value)
+        case Atom():
+            for value in goal.args:
+                yield from _texts(value)
+        case Comparison():
+            yield from _texts(goal.left)
+            yield from _texts(goal.right)
+        case Negation():
+            for inner in goal.goals:
+                yield from _texts(inner)

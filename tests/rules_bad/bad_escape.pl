@@ -1,0 +1,2 @@
+% expect: 2:5: the escape \q is not known
+p('a\qb').

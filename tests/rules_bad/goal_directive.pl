@@ -1,0 +1,3 @@
+% expect: 2:4: the directive 'surface' is not in the subset
+:- surface(floor).
+p(X) :- surface(X).

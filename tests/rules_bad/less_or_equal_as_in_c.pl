@@ -1,0 +1,2 @@
+% expect: 2:30: '<' means nothing here
+p(X) :- distance(X, _, D), D <= 0.3.

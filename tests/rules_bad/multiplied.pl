@@ -1,0 +1,2 @@
+% expect: 2:30: '*' is not in the subset
+p(X) :- distance(X, _, D), D * 2 < 1.

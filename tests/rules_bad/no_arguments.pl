@@ -1,0 +1,2 @@
+% expect: 2:1: rainy has no argument
+rainy :- surface(_).

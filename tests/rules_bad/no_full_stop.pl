@@ -1,0 +1,2 @@
+% expect: 2:1: the clause has no end
+p(X) :- surface(X)

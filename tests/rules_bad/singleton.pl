@@ -1,0 +1,2 @@
+% expect: 2:20: Singleton variable Other
+p(X) :- touches(X, Other).

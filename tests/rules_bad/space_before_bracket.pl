@@ -1,0 +1,2 @@
+% expect: 2:17: '(' stands apart from its name
+p(X) :- surface (X).

@@ -1,0 +1,3 @@
+% expect: 2:4: 'table' is not in the subset
+:- table p/1.
+p(X) :- surface(X).

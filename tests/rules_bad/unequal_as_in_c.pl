@@ -1,0 +1,2 @@
+% expect: 2:26: '!' is not expected here
+p(X) :- touches(X, Y), X != Y.

@@ -1,0 +1,2 @@
+% expect: 2:3: X in a fact
+p(X).
