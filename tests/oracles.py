@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from bench.job import Frame, Thing
 from deixis.frames import Array, Mask
 from deixis.scene import BoxRegion, Label, Scene, SpatialObject, View
-from deixis.thresholds import Thresholds
+from deixis.thresholds import SNAP, Thresholds
 
 PITCH = 0.005
 """Metres between points of a lattice: a quarter of the default D."""
@@ -116,8 +116,8 @@ def look(a: Thing, b: Thing, frames: dict[str, Frame], limits: Thresholds) -> Se
     b = b._replace(x=0.0, y=0.0, z=0.0)
     d = limits.granularity
     held, holds = _within(_corners(a), b, d).all(), _within(_corners(b), a, d).all()
-    content = bool(held and not b.surface and abs(a.z) <= b.hz)
-    container = bool(holds and not a.surface and abs(a.z) <= a.hz)
+    content = bool(held and not b.surface and abs(a.z) < b.hz - SNAP)
+    container = bool(holds and not a.surface and abs(a.z) < a.hz - SNAP)
     bottom_closed, top_closed = content and not container, container and not content
     parting = _parting(a, b, bottom_closed, top_closed)
     apart = -parting if parting > 0.0 else _distance(a, b)

@@ -131,7 +131,8 @@ def vertical_escapes(
         Metres; negative when the figure is already above, or below.
     """
     tall = half_a[:, 2] + half_b[:, 2]
-    limit, level = granularity + SNAP, np.abs(placement.z) - SNAP
+    # A sheet in the very plane of the bottom is not above it, whichever way its height is rounded.
+    limit, level = granularity + SNAP, np.abs(placement.z) + SNAP
     # A plate no thicker than D that is flush under a shelf protrudes by no more than D, but is not in it.
     within_b = ~surface_b & (level <= half_b[:, 2]) & (protrusion(placement, half_a, half_b) <= limit)
     within_a = (

@@ -91,8 +91,8 @@ parting AS MATERIALIZED (
         ST_Covers(b.grown, a.plan) AND greatest(a.top - b.top, b.bottom - a.bottom) <= %(d)s AS within,
         ST_Covers(a.grown, b.plan) AND greatest(b.top - a.top, a.bottom - b.bottom) <= %(d)s AS holds) AS held
     CROSS JOIN LATERAL (SELECT
-        within AND NOT b.surface AND a.z BETWEEN b.bottom AND b.top AS content,
-        holds AND NOT a.surface AND b.z BETWEEN a.bottom AND a.top AS container) AS holding),
+        within AND NOT b.surface AND a.z > b.bottom + 1e-9 AND a.z < b.top - 1e-9 AS content,
+        holds AND NOT a.surface AND b.z > a.bottom + 1e-9 AND b.z < a.top - 1e-9 AS container) AS holding),
 pair AS MATERIALIZED (
     SELECT *, CASE WHEN distance > 0 THEN distance ELSE -least(sideways, up, down) END AS separation
     FROM parting),

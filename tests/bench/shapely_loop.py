@@ -11,7 +11,7 @@ from shapely.geometry import Polygon
 
 from bench.job import Answers, Frame, Thing, frames, ordered, solid_things
 from deixis.scene import Scene
-from deixis.thresholds import Thresholds
+from deixis.thresholds import SNAP, Thresholds
 
 FAR = 1.0e4
 """Metres: longer than any scene."""
@@ -101,7 +101,7 @@ def _separation(a: Solid, b: Solid, distance: float, limits: Thresholds) -> tupl
 def _lies_in(a: Solid, b: Solid, limits: Thresholds) -> bool:
     """Return whether a lies in b up to D, its middle at all; nothing lies in a surface."""
     inside = not b.thing.surface and _sticks_out(a, b) <= limits.granularity
-    return inside and b.bottom <= a.thing.z <= b.top
+    return inside and b.bottom + SNAP < a.thing.z < b.top - SNAP
 
 
 def _across(solid: Solid) -> float:
