@@ -164,8 +164,10 @@ def _enclosed(container: Solid, points: Single) -> tuple[Mask, Mask]:
         return found, walls
     hollow = _hollow(container)
     x, y, z = points[found].T
-    aside, beneath = 0.5 * container.granularity, np.ones(len(x), dtype=np.bool_)
-    # Matter no wider than D, such as a handle, is nothing to lie on.
+    # Matter no wider than D, such as a handle, is nothing to lie on; nor what is nearer than cells can tell.
+    fine = container.samples.spacing <= 0.5 * container.granularity
+    aside = 0.5 * container.granularity if fine else cell_width(container)
+    beneath = np.ones(len(x), dtype=np.bool_)
     for shift_x, shift_y in ((0.0, 0.0), (aside, 0.0), (-aside, 0.0), (0.0, aside), (0.0, -aside)):
         first, _ = hollow.column.at(x + np.float32(shift_x), y + np.float32(shift_y))
         beneath &= first <= z + container.granularity

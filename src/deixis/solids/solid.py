@@ -24,8 +24,8 @@ from deixis.solids.sampling import Samples, Single, face_normals, sample, unique
 
 Points = TypeVar("Points", Single, Array)
 
-MAX_SAMPLES: Final = 60_000
-"""About the most samples of one thing: on more than some 3.6 m^2 they lie further apart than 1 cm."""
+MAX_SAMPLES: Final = 120_000
+"""About the most samples of one thing: on more than some 7 square metres they lie further apart than 1 cm."""
 
 _BUMP: Final = 1.0e-3
 """Metres: where each vertex of a closed mesh is nearer than this to its hull, it fills the hull."""
