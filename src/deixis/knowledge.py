@@ -5,8 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 import threading
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
@@ -17,71 +16,19 @@ from deixis.errors import QueryError
 from deixis.facts import Facts, RegionModel, SolidModel, region_model
 from deixis.grounding import ground
 from deixis.regions import BoxRegion
+from deixis.relation import Relation, Withheld
 from deixis.scene import Scene
 from deixis.thresholds import SNAP_DECIMALS
 from deixis.vocabulary import BASE, RELATIONS
 
 if TYPE_CHECKING:
+    from deixis.counterfactual import Change
     from deixis.engines import Engine, Found
     from deixis.explain import Answer
     from deixis.prolog import Answers, PrologEngine
     from deixis.ruleset import Indicator, Ruleset
 
 _ORDER = {term.name: position for position, term in enumerate((*BASE, *RELATIONS))}
-
-
-@dataclass(frozen=True, slots=True)
-class Relation:
-    """A relation that holds in a scene.
-
-    Attributes
-    ----------
-    relation : str
-        Name of the predicate, as in :mod:`deixis.vocabulary`.
-    figure, reference : str
-        Ids of the two things, in the order of the predicate's arguments: of ``compl_cont`` the container
-        comes first.
-    view : str or None
-        Id of the view, where it matters.
-    margin : float or None
-        Metres by which a measured length would have to change for the relation to cease.
-    """
-
-    relation: str
-    figure: str
-    reference: str
-    view: str | None
-    margin: float | None
-
-    def to_prolog(self) -> str:
-        """Return the relation as a Prolog fact without its full stop; ids are quoted."""
-        from deixis.prolog.quote import atom
-
-        ids = [self.figure, self.reference] + ([] if self.view is None else [self.view])
-        return f"{self.relation}({','.join(map(atom, ids))})"
-
-    def to_dict(self) -> dict[str, str | float | None]:
-        """Return the relation as a dict, ready for JSON."""
-        return {
-            "relation": self.relation,
-            "figure": self.figure,
-            "reference": self.reference,
-            "view": self.view,
-            "margin": self.margin,
-        }
-
-
-@dataclass(frozen=True, slots=True)
-class Withheld:
-    """A view that says nothing of what is beside, behind or in front of a reference, and why."""
-
-    view: str
-    reference: str
-    reason: str
-
-    def to_dict(self) -> dict[str, str]:
-        """Return the notice as a dict, ready for JSON."""
-        return {"view": self.view, "reference": self.reference, "reason": self.reason}
 
 
 class KnowledgeBase:
@@ -326,6 +273,70 @@ class KnowledgeBase:
             name = reply["unknown"]
             raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{_hint(name, known)}")
         return Answer.from_dict({**reply, "measured_as": self.measured_as})
+
+    def change(self, goal: str) -> Change | None:
+        """Return the smallest translation found of a goal's figure that makes it true or, if it is, false.
+
+        It is verified: after the move the answer is another, and at nine tenths of the way not yet. None
+        where nothing within three metres changes it.
+
+        Raises
+        ------
+        QueryError
+            The goal is not one relation of known things, or its figure is a surface.
+        GeometryError
+            The region model is not ``box``.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     found = kb.change("on_top_of(sweater, heater)")
+        >>> found.thing, [round(metres, 3) for metres in found.offset], found.holds
+        ('sweater', [0.0, 0.0, 0.02], False)
+        """
+        from deixis.counterfactual import smallest_change
+
+        name, *args = self._fact(goal)
+        return smallest_change(self.scene, self.facts, self.ruleset, (name, *args))
+
+    def what_if(self, moves: Mapping[str, Sequence[float]]) -> KnowledgeBase:
+        """Return the knowledge base of the scene in which some things are moved by x, y, z metres.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     after = kb.what_if({"sweater": (0.0, 0.0, 0.1)})
+        >>> lost = set(kb.relations(relation=["on_top_of"])) - set(after.relations(relation=["on_top_of"]))
+        >>> [one.to_prolog() for one in lost]
+        ["on_top_of('sweater','heater')"]
+        """
+        from deixis.counterfactual import moved
+        from deixis.regrounding import reground
+
+        after = KnowledgeBase(moved(self.scene, moves), rules=self._rules, region=self.region)
+        after.__dict__["facts"] = reground(self.scene, self.facts, after.scene)
+        return after
+
+    def _fact(self, goal: str) -> tuple[str, ...]:
+        """Return a ground goal as its predicate and its arguments, all of them known."""
+        from deixis.ruleset import read_text
+        from deixis.ruleset.model import Constant
+
+        file, problems = read_text(f"{goal.strip().removesuffix('.')} .", Path("goal"))
+        args = [one for rule in file.rules for one in rule.head.args]
+        names = [str(one.value) for one in args if isinstance(one, Constant) and one.kind != "number"]
+        if problems or len(file.rules) != 1 or file.rules[0].body or len(names) != len(args):
+            raise QueryError(f"{goal!r} is not one relation of named things, such as on_top_of(cup, table)")
+        head = file.rules[0].head
+        if head.predicate not in self._predicates(head.name):
+            raise QueryError(f"{head.name} does not take {len(args)} arguments")
+        known = [*self.facts.ids, *(view.id for view in self.scene.views)]
+        for name in names:
+            if name not in known:
+                raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{_hint(name, known)}")
+        return (head.name, *names)
 
     def check_view(self, view: str) -> None:
         """Raise :class:`QueryError` unless the scene has this view."""

@@ -7,7 +7,7 @@ are metres in the world frame: right-handed, Z up.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -148,6 +148,25 @@ class SurfaceRegion:
 
 
 Region = BoxRegion | PointRegion | MeshRegion | SurfaceRegion
+
+
+def shifted(region: Region, offset: Array) -> Region:
+    """Return a region moved by (3,) metres, not turned.
+
+    Examples
+    --------
+    >>> shifted(BoxRegion([0.0, 0.0, 1.0], [1.0, 1.0, 1.0]), np.array([0.5, 0.0, 0.0])).center.tolist()
+    [0.5, 0.0, 1.0]
+    """
+    match region:
+        case BoxRegion():
+            return replace(region, center=region.center + offset)
+        case PointRegion():
+            return replace(region, points=region.points + offset)
+        case MeshRegion():
+            return replace(region, vertices=region.vertices + offset)
+        case SurfaceRegion():
+            return replace(region, polygon=region.polygon + offset)
 
 
 @dataclass(frozen=True, slots=True)

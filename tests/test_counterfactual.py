@@ -1,0 +1,150 @@
+"""What would be otherwise: each change found is tried on the scene itself; none along an axis is smaller."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from deixis.counterfactual import FURTHEST, Change, moved
+from deixis.errors import GeometryError, QueryError, SceneError
+from deixis.grounding import ground
+from deixis.knowledge import KnowledgeBase
+from deixis.relation import Relation
+from deixis.scene import Scene
+from scenes import box, scene
+
+
+@pytest.fixture(scope="module")
+def hans(root: Path) -> KnowledgeBase:
+    return KnowledgeBase.from_scene(root / "kb" / "scenes" / "hans.json")
+
+
+def holds(kb: KnowledgeBase, goal: str) -> bool:
+    name = goal.partition("(")[0]
+    args = tuple(goal.partition("(")[2].removesuffix(")").split(", "))
+    found = {
+        (one.figure, one.reference, *([one.view] if one.view else []))
+        for one in kb.relations(relation=[name])
+    }
+    return args in found
+
+
+def after(kb: KnowledgeBase, change: Change, part: float = 1.0) -> KnowledgeBase:
+    """Return the scene after a part of a change, grounded from the start."""
+    return KnowledgeBase(moved(kb.scene, {change.thing: part * np.array(change.offset)}))
+
+
+@pytest.mark.parametrize(
+    ("goal", "distance", "way"),
+    [
+        ("on_top_of(sweater, heater)", 0.02, (0, 0, 1)),
+        ("affixed_on(extinguisher1, wall)", 0.02, (0, -1, 0)),
+        # Lifted off the floor it no longer leans: it hangs.
+        ("leans_on(extinguisher2, wall)", 0.02, (0, 0, 1)),
+        ("affixed_on(extinguisher2, wall)", 0.02, (0, 0, 1)),
+        ("inside(sweater, heater)", 0.04, (0, 0, -1)),
+        ("near(sweater, floor)", 0.4, (0, 0, 1)),
+        ("left_of(extinguisher2, radiator, v0)", 0.0837, None),
+        ("near(sign, extinguisher2)", None, None),
+    ],
+)
+def test_what_changes_an_answer(
+    hans: KnowledgeBase, goal: str, distance: float | None, way: tuple[float, ...] | None
+) -> None:
+    change = hans.change(goal)
+    assert change is not None
+    assert change.distance == pytest.approx(np.linalg.norm(change.offset))
+    assert change.holds != holds(hans, goal)
+    assert holds(after(hans, change), goal) == change.holds
+    assert holds(after(hans, change, 0.9), goal) != change.holds
+    if distance is not None:
+        assert change.distance == pytest.approx(distance, abs=2e-4)
+    if way is not None:
+        assert np.allclose(np.array(change.offset) / change.distance, way, atol=1e-6)
+
+
+def test_no_smaller_change_along_an_axis(root: Path) -> None:
+    kb = KnowledgeBase.from_scene(root / "kb" / "scenes" / "kitchen.json")
+    rng = np.random.default_rng(0)
+    found = kb.relations()
+    for at in rng.choice(len(found), 12, replace=False):
+        one = found[at]
+        goal = one.to_prolog()
+        change = kb.change(goal)
+        if change is None:
+            continue
+        assert change.distance <= FURTHEST + 1e-3
+        for axis in np.concatenate([np.eye(3), -np.eye(3)]):
+            offset = axis * (change.distance - 0.002)
+            if change.distance > 0.004:
+                other = KnowledgeBase(moved(kb.scene, {change.thing: offset}))
+                assert stays(one, other), (goal, change, offset)
+
+
+def stays(one: Relation, kb: KnowledgeBase) -> bool:
+    return any(
+        (one.figure, one.reference, one.view) == (other.figure, other.reference, other.view)
+        for other in kb.relations(relation=[one.relation])
+    )
+
+
+def test_nothing_near_enough_changes_it() -> None:
+    far = scene(box("a", (0, 0, 0), (0.1, 0.1, 0.1)), box("b", (50, 0, 0), (1, 1, 1)))
+    assert KnowledgeBase(far).change("on_top_of(a, b)") is None
+
+
+def test_rules_of_ones_own_can_be_asked_about(tmp_path: Path, hans: KnowledgeBase) -> None:
+    mine = tmp_path / "mine.pl"
+    mine.write_text("singed(A, B) :- distance(A, B, D), D =< 0.3, \\+ surface(A), \\+ surface(B).\n")
+    kb = KnowledgeBase(hans.scene, rules=[mine])
+    change = kb.change("singed(sweater, radiator)")
+    assert change is not None
+    assert change.holds
+    now = after(kb, change).facts
+    row = now.row("sweater", "radiator")
+    assert row is not None
+    assert 0.299 < now.distance[row] <= 0.3
+
+
+def test_what_if(hans: KnowledgeBase) -> None:
+    with hans.what_if({"sweater": (0.0, 0.0, 0.5), "sign": (0.0, -1.0, 0.0)}) as kb:
+        assert kb.facts.views[0].view == "world"
+        again = ground(kb.scene)
+        assert np.array_equal(kb.facts.separation, again.separation)
+        assert not holds(kb, "on_top_of(sweater, heater)")
+        assert "not on top of" in kb.why("on_top_of(sweater, heater)").text
+    assert holds(hans, "on_top_of(sweater, heater)")
+
+
+def test_what_cannot_be_asked(hans: KnowledgeBase) -> None:
+    for goal, said in (
+        ("on_top_of(sweater, heeter)", "did you mean 'heater'"),
+        ("on_top_off(sweater, heater)", "did you mean 'on_top_of'"),
+        ("on_top_of(sweater)", "does not take 1 argument"),
+        ("on_top_of(X, heater)", "is not one relation of named things"),
+        ("on_top_of(sweater, heater), near(sweater, heater)", "is not one relation of named things"),
+        (":- halt.", "is not one relation of named things"),
+        ("above_r(floor, sweater)", "is a surface, which nobody moves"),
+    ):
+        with pytest.raises(QueryError, match=said):
+            hans.change(goal)
+    with pytest.raises(SceneError, match="has no object 'cap'"):
+        hans.what_if({"cap": (0, 0, 1)})
+    with pytest.raises(SceneError, match="is not x, y, z in metres"):
+        hans.what_if({"sweater": (0, 1)})
+    with pytest.raises(GeometryError, match="boxes only"):
+        KnowledgeBase(hans.scene, region="mesh").change("on_top_of(sweater, heater)")
+
+
+def test_ids_that_look_like_copies() -> None:
+    things = [
+        box("a", (0, 0, 0.05), (0.1, 0.1, 0.1)),
+        box("a~0", (0, 0, -0.5), (1, 1, 1)),
+        box("a~~1", (3, 0, 0), (1, 1, 1)),
+    ]
+    kb = KnowledgeBase(Scene.from_dict(scene(*things).to_dict()))
+    change = kb.change("on_top_of(a, 'a~0')")
+    assert change is not None
+    assert change.offset == pytest.approx((0, 0, 0.02), abs=2e-4)
