@@ -82,6 +82,8 @@ class SqlExecutor:
     ruleset : Ruleset
     threads : int, optional
         By default as many as there are processors.
+    beside : SqlExecutor, optional
+        Another executor, whose database serves for this one too: starting one takes longer than most rules.
 
     Examples
     --------
@@ -97,13 +99,18 @@ class SqlExecutor:
     [('extinguisher2', 'wall')]
     """
 
-    def __init__(self, ruleset: Ruleset, *, threads: int | None = None) -> None:
+    def __init__(
+        self, ruleset: Ruleset, *, threads: int | None = None, beside: SqlExecutor | None = None
+    ) -> None:
         self.ruleset = ruleset
+        self._programs: dict[tuple[tuple[Indicator, ...], bool], tuple[Program, str]] = {}
+        if beside is not None:
+            self._connection, self._lock = beside._connection, beside._lock
+            return
         settings: dict[str, str | bool | int | float | list[str]] = dict(_SETTINGS)
         settings["threads"] = threads or os.cpu_count() or 1
         self._connection = duckdb.connect(":memory:", config=settings)
         self._connection.execute("SET lock_configuration = true")
-        self._programs: dict[tuple[tuple[Indicator, ...], bool], tuple[Program, str]] = {}
         self._lock = threading.Lock()
 
     def __enter__(self) -> SqlExecutor:
