@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from random import Random
 
-from hypothesis import strategies as st
-from hypothesis.strategies import DrawFn
 
 NAMES = ("a", "b", "c", "d", "'X y'")
 FACTS = {"e": "nn", "f": "nn", "g": "n", "w": "nd"}
@@ -32,26 +31,25 @@ class Program:
         return [(name, len(shape)) for name, shape in self.shapes.items()]
 
 
-@st.composite
-def programs(draw: DrawFn) -> Program:
-    """Draw a program of up to six predicates on up to three levels; denials reach down only."""
+def program(draw: Random) -> Program:
+    """Return a program of up to six predicates on up to three levels; denials reach down only."""
     lines = [
-        _fact(draw, name, shape) for name, shape in FACTS.items() for _ in range(draw(st.integers(1, 5)))
+        _fact(draw, name, shape) for name, shape in FACTS.items() for _ in range(draw.randint(1, 5))
     ]
-    shapes = {f"p{at}": draw(st.sampled_from(SHAPES)) for at in range(draw(st.integers(1, 6)))}
-    level = {name: draw(st.integers(0, 2)) for name in shapes}
+    shapes = {f"p{at}": draw.choice(SHAPES) for at in range(draw.randint(1, 6))}
+    level = {name: draw.randint(0, 2) for name in shapes}
     for name, shape in shapes.items():
         same = {one: shapes[one] for one in shapes if level[one] <= level[name]}
         lower = {one: shapes[one] for one in shapes if level[one] < level[name]}
-        for _ in range(draw(st.integers(1, 3))):
+        for _ in range(draw.randint(1, 3)):
             lines.append(_rule(draw, name, shape, same, lower))
-        if draw(st.integers(0, 5)) == 0:
+        if draw.randint(0, 5) == 0:
             lines.append(_fact(draw, name, shape))
     return Program("\n".join(sorted(lines, key=lambda line: line.partition("(")[0])) + "\n", shapes)
 
 
-def _fact(draw: DrawFn, name: str, shape: str) -> str:
-    values = [draw(st.sampled_from(NAMES if kind == "n" else NUMBERS)) for kind in shape]
+def _fact(draw: Random, name: str, shape: str) -> str:
+    values = [draw.choice(NAMES if kind == "n" else NUMBERS) for kind in shape]
     return f"{name}({', '.join(values)})."
 
 
@@ -65,7 +63,7 @@ class _Body:
         self.fresh = 0
 
     def atom(
-        self, draw: DrawFn, name: str, shape: str, within: list[str] | None = None
+        self, draw: Random, name: str, shape: str, within: list[str] | None = None
     ) -> tuple[str, list[str], list[str]]:
         """Return an atom with the names and numbers that it binds; inside a denial given the names there."""
         local = within is not None
@@ -79,11 +77,11 @@ class _Body:
                 args.append(f"D{self.fresh}")
                 numbers.append(args[-1])
                 continue
-            choice = draw(st.integers(0, 9))
+            choice = draw.randint(0, 9)
             if choice < 5 and known:
-                args.append(draw(st.sampled_from(known)))
+                args.append(draw.choice(known))
             elif choice == 9:
-                args.append(draw(st.sampled_from(NAMES)))
+                args.append(draw.choice(NAMES))
             elif choice == 8 and not local:
                 args.append("_")
             else:
@@ -93,53 +91,53 @@ class _Body:
         return f"{name}({', '.join(args)})", names, numbers
 
 
-def _rule(draw: DrawFn, head: str, shape: str, same: dict[str, str], lower: dict[str, str]) -> str:
+def _rule(draw: Random, head: str, shape: str, same: dict[str, str], lower: dict[str, str]) -> str:
     body = _Body()
-    for _ in range(draw(st.integers(1, 3))):
+    for _ in range(draw.randint(1, 3)):
         _positive(draw, body, same)
     while len(body.names) < 1 or (len(body.numbers) < 1 and "d" in shape):
         _positive(draw, body, {"w": "nd"} if body.names else {"w": "nd", "e": "nn"}, own=True)
-    for _ in range(draw(st.integers(0, 2))):
-        choice = draw(st.integers(0, 2))
+    for _ in range(draw.randint(0, 2)):
+        choice = draw.randint(0, 2)
         if choice == 0:
             body.goals.append(_comparison(draw, body.names, body.numbers))
         else:
             body.goals.append(_denial(draw, body, lower, choice == 2))
-    args = [draw(st.sampled_from(body.names if kind == "n" else body.numbers)) for kind in shape]
-    if draw(st.integers(0, 9)) == 0:
+    args = [draw.choice(body.names if kind == "n" else body.numbers) for kind in shape]
+    if draw.randint(0, 9) == 0:
         at = shape.index("n")
-        args[at] = draw(st.sampled_from(NAMES))
+        args[at] = draw.choice(NAMES)
     return f"{head}({', '.join(args)}) :- {', '.join(body.goals)}."
 
 
-def _positive(draw: DrawFn, body: _Body, same: dict[str, str], own: bool = False) -> None:
-    pool = same if own else {**same, **same, **FACTS, **(THEORY if draw(st.booleans()) else {})}
-    name = draw(st.sampled_from(sorted(pool)))
+def _positive(draw: Random, body: _Body, same: dict[str, str], own: bool = False) -> None:
+    pool = same if own else {**same, **same, **FACTS, **(THEORY if draw.random() < 0.5 else {})}
+    name = draw.choice(sorted(pool))
     text, names, numbers = body.atom(draw, name, pool[name])
     body.goals.append(text)
     body.names += names
     body.numbers += numbers
 
 
-def _comparison(draw: DrawFn, names: list[str], numbers: list[str]) -> str:
-    if numbers and draw(st.integers(0, 3)):
-        operator = draw(st.sampled_from(["<", "=<", ">", ">=", "=:=", "=\\="]))
-        left = draw(st.sampled_from(numbers))
-        right = draw(st.sampled_from([*NUMBERS, *numbers, f"{left} + 0.5", f"-{numbers[0]} - 1", "2 - 0.5"]))
+def _comparison(draw: Random, names: list[str], numbers: list[str]) -> str:
+    if numbers and draw.randint(0, 3):
+        operator = draw.choice(["<", "=<", ">", ">=", "=:=", "=\\="])
+        left = draw.choice(numbers)
+        right = draw.choice([*NUMBERS, *numbers, f"{left} + 0.5", f"-{numbers[0]} - 1", "2 - 0.5"])
         return f"{left} {operator} {right}"
-    operator = draw(st.sampled_from(["==", "\\==", "=", "\\=", "\\=="]))
-    return f"{draw(st.sampled_from(names))} {operator} {draw(st.sampled_from([*names, *NAMES]))}"
+    operator = draw.choice(["==", "\\==", "=", "\\=", "\\=="])
+    return f"{draw.choice(names)} {operator} {draw.choice([*names, *NAMES])}"
 
 
-def _denial(draw: DrawFn, body: _Body, lower: dict[str, str], long: bool) -> str:
-    pool = {**lower, **FACTS, **(THEORY if draw(st.integers(0, 3)) == 0 else {})}
+def _denial(draw: Random, body: _Body, lower: dict[str, str], long: bool) -> str:
+    pool = {**lower, **FACTS, **(THEORY if draw.randint(0, 3) == 0 else {})}
     goals, names, numbers = [], list(body.names), list(body.numbers)
-    for _ in range(draw(st.integers(1, 2)) if long else 1):
-        name = draw(st.sampled_from(sorted(pool)))
+    for _ in range(draw.randint(1, 2) if long else 1):
+        name = draw.choice(sorted(pool))
         text, more, measured = body.atom(draw, name, pool[name], names)
         goals.append(text)
         names += more
         numbers += measured
-    if long and draw(st.booleans()):
+    if long and draw.random() < 0.5:
         goals.append(_comparison(draw, names, numbers))
     return f"\\+ {goals[0]}" if len(goals) == 1 else f"\\+ ( {', '.join(goals)} )"
