@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from random import Random
 
-
 NAMES = ("a", "b", "c", "d", "'X y'")
 FACTS = {"e": "nn", "f": "nn", "g": "n", "w": "nd"}
 """What a program lists itself: n for a name, d for a number."""
@@ -33,9 +32,7 @@ class Program:
 
 def program(draw: Random) -> Program:
     """Return a program of up to six predicates on up to three levels; denials reach down only."""
-    lines = [
-        _fact(draw, name, shape) for name, shape in FACTS.items() for _ in range(draw.randint(1, 5))
-    ]
+    lines = [_fact(draw, name, shape) for name, shape in FACTS.items() for _ in range(draw.randint(1, 5))]
     shapes = {f"p{at}": draw.choice(SHAPES) for at in range(draw.randint(1, 6))}
     level = {name: draw.randint(0, 2) for name in shapes}
     for name, shape in shapes.items():

@@ -154,7 +154,8 @@ class _Writer:
             if isinstance(have, Variable):
                 binding[have.name] = want
             elif isinstance(want, Variable):
-                outer[want.name] = have
+                if outer.setdefault(want.name, have) != have:
+                    return None
         body = tuple(_put(goal, binding, suffix) for goal in first.body)
         whole = Rule(rule.head, (*rule.body[:at], *body, *rule.body[at + 1 :]), rule.doc)
         if not outer:
