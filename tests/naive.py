@@ -81,7 +81,7 @@ class Naive:
             for component in ruleset.graph.components:
                 todo = [one for one in component & needed if one not in BASE_FACTS]
                 tables.update({one: {} for one in todo})
-                while any([self._more(tables, one, near) for one in todo]):
+                while sum(self._more(tables, one, near) for one in todo):
                     pass
 
     def _more(self, tables: dict[Indicator, Table], predicate: Indicator, near: bool) -> bool:

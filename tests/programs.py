@@ -30,7 +30,7 @@ class Program:
         return [(name, len(shape)) for name, shape in self.shapes.items()]
 
 
-def program(draw: Random) -> Program:
+def random_program(draw: Random) -> Program:
     """Return a program of up to six predicates on up to three levels; denials reach down only."""
     lines = [_fact(draw, name, shape) for name, shape in FACTS.items() for _ in range(draw.randint(1, 5))]
     shapes = {f"p{at}": draw.choice(SHAPES) for at in range(draw.randint(1, 6))}
@@ -38,8 +38,7 @@ def program(draw: Random) -> Program:
     for name, shape in shapes.items():
         same = {one: shapes[one] for one in shapes if level[one] <= level[name]}
         lower = {one: shapes[one] for one in shapes if level[one] < level[name]}
-        for _ in range(draw.randint(1, 3)):
-            lines.append(_rule(draw, name, shape, same, lower))
+        lines += [_rule(draw, name, shape, same, lower) for _ in range(draw.randint(1, 3))]
         if draw.randint(0, 5) == 0:
             lines.append(_fact(draw, name, shape))
     return Program("\n".join(sorted(lines, key=lambda line: line.partition("(")[0])) + "\n", shapes)

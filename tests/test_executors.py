@@ -30,7 +30,7 @@ from deixis.ruleset.base import BASE_FACTS
 from deixis.sql import SqlExecutor
 from deixis.vocabulary import BASE, RELATIONS
 from naive import Naive, Table, base_rows
-from programs import Program, program
+from programs import Program, random_program
 
 HERE = Path(__file__).resolve().parent
 GOLDEN = {path.stem: path for path in sorted((HERE / "golden").glob("*.json"))}
@@ -188,8 +188,8 @@ def test_random_programs(
     seed: int, files: list[RuleFile], sql: SqlExecutor, batch: PrologEngine, small: list[Any]
 ) -> None:
     """A thousand programs: SWI-Prolog = DuckDB = SPARQL = the naive fixpoint; margins too."""
-    draw = random.Random(seed)
-    group = [program(draw) for _ in range(PROGRAMS)]
+    draw = random.Random(seed)  # noqa: S311 - no secret
+    group = [random_program(draw) for _ in range(PROGRAMS)]
     differences(group, draw.choice(small), files, sql, batch, draw.random() < 0.5)
 
 
@@ -199,8 +199,8 @@ def test_random_programs(
 def test_a_hundred_thousand_random_programs(
     seed: int, files: list[RuleFile], sql: SqlExecutor, small: list[Any]
 ) -> None:
-    draw = random.Random(seed)
-    group = [program(draw) for _ in range(PROGRAMS)]
+    draw = random.Random(seed)  # noqa: S311 - no secret
+    group = [random_program(draw) for _ in range(PROGRAMS)]
     # Programs stay in the process that they were loaded into: a new one for each group.
     with PrologEngine([*theory_files(), HERE / "rules" / "batch.pl"]) as batch:
         differences(group, draw.choice(small), files, sql, batch, draw.random() < 0.5)
@@ -258,10 +258,11 @@ def test_semantic_traps(
 
 def hostile(count: int) -> list[str]:
     """Return ids of anything that a text may hold, all different."""
-    draw = random.Random(0)
+    draw = random.Random(0)  # noqa: S311 - no secret
     pieces = [
-        "'", '"', "\\", "\n", "\t", "`", ";", "--", "/*", "%", "$", "{", "}", "<", ">", "?-", "halt.", "NULL", " ",
-        "\u202e", "\u2028", "\ufeff", "\U0001f600", "é", "e\u0301", "a0", "world", "X+", "_", "X", "[]", "%20", "\x1b",
+        "'", '"', "\\", "\n", "\t", "`", ";", "--", "/*", "%", "$", "{", "}", "<", ">", "?-", "halt.", "NULL",
+        " ", "\u202e", "\u2028", "\ufeff", "\U0001f600", "é", "e\u0301", "a0", "world", "X+", "_", "X", "[]",
+        "%20", "\x1b",
         "), (", "SELECT", "urn:deixis:id:", "t0", "0'c", "~w", "-1", "\x7f", "\xa0",
     ]  # fmt: skip
     found = {"", *pieces}
@@ -334,10 +335,10 @@ over(Figure, Reference) :-
     on_top_of(Other, Reference).
 
 hidden(Figure, Reference, View) :-
-    behind(Figure, Reference, View),
+    left_of(Figure, Reference, View),
     \\+ above(Figure, Reference).
 
-close(Figure, Distance) :-
+gap(Figure, Distance) :-
     distance(Figure, wall, Distance),
     Distance < 0.5.
 """
@@ -365,13 +366,13 @@ def test_own_rules_are_asked_and_explained(own: Path) -> None:
     assert call("ask", scene, "over(sweater, X)", "--rules", own).out == "X = heater\nX = floor\n"
     assert call("why", scene, "over(sweater, floor)", "--rules", own).code == 0
     shell = run("shell", scene, "--rules", own, stdin="forall(over(sweater, X), (write(X), nl)).\n")
-    assert shell.out.split()[-2:] == ["floor", "heater"] or "floor" in shell.out
+    assert {"floor", "heater"} <= set(shell.out.split())
     with KnowledgeBase.from_scene(scene, rules=[own]) as kb:
         assert ("sweater", "floor") in {
             (one.figure, one.reference) for one in kb.relations(relation=["over"])
         }
-        with pytest.raises(QueryError, match="close/2 is no relation of things"):
-            kb.relations(relation=["close"])
+        with pytest.raises(QueryError, match="gap/2 is no relation of things"):
+            kb.relations(relation=["gap"])
         with pytest.raises(QueryError, match="did you mean 'over'"):
             kb.relations(relation=["ovr"])
 
@@ -417,7 +418,7 @@ def test_only_duckdb_is_imported_for_relations() -> None:
 def test_the_database_is_closed_to_the_world(sql: SqlExecutor, tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("a\n1\n", encoding="utf-8")
     for statement in (
-        f"SELECT * FROM '{tmp_path / 'x.csv'}'",
+        f"FROM '{tmp_path / 'x.csv'}'",
         f"COPY (SELECT 1) TO '{tmp_path / 'y.csv'}'",
         f"ATTACH '{tmp_path / 'z.db'}'",
         "SET enable_external_access = true",

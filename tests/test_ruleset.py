@@ -65,7 +65,10 @@ def test_all_of_the_theory_is_read_or_reserved() -> None:
 
 
 def test_a_rule_keeps_its_parts_and_places() -> None:
-    text = "%!  lone(?X)\n%   Nothing else touches X.\n\nlone('a b', X) :-\n    near(X, _),\n    \\+ ( touches(Y, X), Y \\== X ).\n"
+    text = (
+        "%!  lone(?X)\n%   Nothing else touches X.\n\n"
+        "lone('a b', X) :-\n    near(X, _),\n    \\+ ( touches(Y, X), Y \\== X ).\n"
+    )
     file, found = read_text(text, MINE)
     assert found == []
     (rule,) = file.rules
