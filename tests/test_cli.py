@@ -606,7 +606,7 @@ def test_a_full_disk_is_an_error(hans: Path) -> None:
 
 def test_without_prolog_the_remedy_is_named(hans: Path, tmp_path: Path) -> None:
     nowhere = {"PATH": str(tmp_path), "SWI_HOME_DIR": "", "LIBSWIPL_PATH": ""}
-    for command in (["relations", hans], ["shell", hans]):
+    for command in (["ask", hans, "true"], ["relations", hans, "--engine", "prolog"], ["shell", hans]):
         message = refused(
             run(*command, env=nowhere),
             "swipl on the PATH: not there",
@@ -617,6 +617,7 @@ def test_without_prolog_the_remedy_is_named(hans: Path, tmp_path: Path) -> None:
     assert os.environ.get("HOME", "~") not in message
     # What needs no Prolog works without it.
     assert run("facts", hans, env=nowhere).code == YES
+    assert run("relations", hans, env=nowhere).code == YES
     ill = run("doctor", env=nowhere)
     assert ill.code == ERROR
     assert "\nFAIL  SWI-Prolog" in ill.out

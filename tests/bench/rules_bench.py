@@ -2,10 +2,10 @@
 
     python -m bench.rules_bench [ENGINE COUNT]
 
-prints the table, or one measurement as JSON. End to end is from facts in memory to arrays or tuples of answers in memory:
-starting the engine, loading, rules, answers. Everyone derives the same predicates without margins, and counts
-must be the same. clingo knows whole numbers of 32 bits only and gets nanometres, cut off beyond two metres,
-where nothing is compared, and ranks instead of cardinalities; Nemo gets the same numbers in CSV.
+prints the table, or one measurement as JSON. End to end is from facts in memory to arrays or tuples of
+answers in memory: starting the engine, loading, rules, answers. Everyone derives the same predicates without
+margins, and counts must be the same. clingo knows whole numbers of 32 bits only and gets nanometres, cut off
+beyond two metres, where nothing is compared, and ranks instead of cardinalities; Nemo gets the same as CSV.
 """
 
 from __future__ import annotations
@@ -239,9 +239,9 @@ def section(count: int = 100_000) -> Iterator[str]:
     ours = measured["duckdb"]
     pairs = len(ground(scattered(count)))
     yield (
-        f"{count:,} things, {pairs:,} ordered pairs within reach; all {len(WANTED)} relations of the rules, from "
-        "facts in memory to answers in memory: starting the engine, loading, deriving, reading back. Without "
-        "margins. Least of three runs for DuckDB, one run for the others, each in a process of its own."
+        f"{count:,} things, {pairs:,} ordered pairs within reach; all {len(WANTED)} relations of the rules, "
+        "from facts in memory to answers in memory: starting the engine, loading, deriving, reading back. "
+        "Without margins. Least of three runs for DuckDB, one for the others, each in its own process."
     )
     yield ""
     yield "| engine | seconds | ratio | peak, GiB | answers |"
