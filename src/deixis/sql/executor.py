@@ -104,14 +104,10 @@ class SqlExecutor:
     ) -> None:
         self.ruleset = ruleset
         self._programs: dict[tuple[tuple[Indicator, ...], bool], tuple[Program, str]] = {}
-        if beside is not None:
-            self._connection, self._lock = beside._connection, beside._lock
-            return
-        settings: dict[str, str | bool | int | float | list[str]] = dict(_SETTINGS)
-        settings["threads"] = threads or os.cpu_count() or 1
-        self._connection = duckdb.connect(":memory:", config=settings)
-        self._connection.execute("SET lock_configuration = true")
-        self._lock = threading.Lock()
+        self._connection: duckdb.DuckDBPyConnection = (
+            _database(threads) if beside is None else beside._connection
+        )
+        self._lock: threading.Lock = threading.Lock() if beside is None else beside._lock
 
     def __enter__(self) -> SqlExecutor:
         return self
@@ -256,6 +252,14 @@ class SqlExecutor:
         finally:
             if timer is not None:
                 timer.cancel()
+
+
+def _database(threads: int | None) -> duckdb.DuckDBPyConnection:
+    settings: dict[str, str | bool | int | float | list[str]] = dict(_SETTINGS)
+    settings["threads"] = threads or os.cpu_count() or 1
+    connection = duckdb.connect(":memory:", config=settings)
+    connection.execute("SET lock_configuration = true")
+    return connection
 
 
 def _first(program: Program, node: Node, step: Step) -> list[str]:
