@@ -28,6 +28,7 @@ test: check ## everything: the checks, then all tests, doctests and notebooks
 test-long: .venv/.dev ## the tests that take minutes
 	$(PYTEST) -m long --hypothesis-profile=long
 
+# clingo and Nemo are measured too where the dependency group `bench` is installed.
 bench: .venv/.dev ## measure it beside others and write kb/benchmarks.md (minutes)
 	PYTHONPATH=tests $(BIN)/python -m bench.run kb/benchmarks.md
 

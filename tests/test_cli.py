@@ -608,7 +608,7 @@ def test_a_full_disk_is_an_error(hans: Path) -> None:
 
 def test_without_prolog_the_remedy_is_named(hans: Path, tmp_path: Path) -> None:
     nowhere = {"PATH": str(tmp_path), "SWI_HOME_DIR": "", "LIBSWIPL_PATH": ""}
-    for command in (["relations", hans, "--engine", "prolog"], ["shell", hans]):
+    for command in (["ask", hans, "true"], ["relations", hans, "--engine", "prolog"], ["shell", hans]):
         message = refused(
             run(*command, env=nowhere),
             "swipl on the PATH: not there",

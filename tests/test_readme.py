@@ -54,7 +54,7 @@ def test_python_prints_what_the_readme_shows(root: Path) -> None:
 
 
 def test_prolog_answers_what_the_readme_shows(root: Path) -> None:
-    (rule,) = blocks("prolog")
+    rule, _ = blocks("prolog")
     assert f"\n{rule['text']}\n" in (root / "rules" / "commonsense.pl").read_text(encoding="utf-8")
     command, *dialogue = shown_after(rule)["text"].splitlines()
     # At a terminal, ; asks for the next answer; in a pipe it is a line of its own and not echoed.
@@ -73,9 +73,20 @@ def test_prolog_answers_what_the_readme_shows(root: Path) -> None:
         assert found, f"{answer!r} is not in {before!r}"
 
 
+def test_rules_of_ones_own_are_checked_as_the_readme_shows(tmp_path: Path) -> None:
+    _, own = blocks("prolog")
+    (tmp_path / "my.pl").write_text(own["text"], encoding="utf-8")
+    assert run("relations", SCENE, "--rules", tmp_path / "my.pl", "--relation", "rests_on").code == 0
+    (tmp_path / "my.pl").write_text(own["text"].replace("on_top_of", "on_topof", 1), encoding="utf-8")
+    result = run("rules", "check", "my.pl", cwd=tmp_path)
+    assert (result.code, result.err) == (1, "")
+    check(shown_after(own), result.out)
+
+
 def test_the_table_of_commands_is_complete() -> None:
     table = dict(re.findall(r"^\| `deixis (\w+)(.*) \|$", README.read_text(encoding="utf-8"), re.MULTILINE))
     commands = {command.name or command.callback.__name__ for command in app.registered_commands}
+    commands |= {group.name for group in app.registered_groups}
     assert table.keys() == commands
     for command, row in table.items():
         options = re.findall(r"--[a-z]+", row)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 from pathlib import Path
@@ -18,7 +19,7 @@ from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.clauses import LONGEST_CLAUSE, MOST_CHARACTERS
 from deixis.ruleset.model import Atom, Comparison, Constant, Negation, Variable, variables
 from deixis.ruleset.reserved import PROLOG_ONLY, reserved
-from deixis.ruleset.syntax import unquoted
+from deixis.ruleset.syntax import parser_tables, unquoted
 from deixis.ruleset.unfold import unfolded
 from deixis.vocabulary import TERMS
 
@@ -65,8 +66,10 @@ def test_all_of_the_theory_is_read_or_reserved() -> None:
 
 
 def test_a_rule_keeps_its_parts_and_places() -> None:
-    doc, rule = "%!  lone(?X)\n%   Nothing else touches X.\n\n", "lone('a b', X) :-\n    near(X, _),\n"
-    text = doc + rule + "    \\+ ( touches(Y, X), Y \\== X ).\n"
+    text = (
+        "%!  lone(?X)\n%   Nothing else touches X.\n\n"
+        "lone('a b', X) :-\n    near(X, _),\n    \\+ ( touches(Y, X), Y \\== X ).\n"
+    )
     file, found = read_text(text, MINE)
     assert found == []
     (rule,) = file.rules
@@ -127,6 +130,16 @@ def test_numbers() -> None:
     values = [one.value for one in file.rules[0].head.args if isinstance(one, Constant)]
     assert values == [3.0, -4.0, 0.5, -0.0015, 1000.0, 0.0]
     assert str(values[-1]) == "0.0"
+
+
+def test_the_parser_s_tables_are_made_of_the_grammar(root: Path) -> None:
+    """Otherwise: python -m deixis.ruleset.syntax"""
+    here = root / "src" / "deixis" / "ruleset"
+    fresh = json.loads(parser_tables((here / "grammar.lark").read_text(encoding="utf-8")))
+    kept = json.loads((here / "grammar.json").read_text(encoding="utf-8"))
+    assert kept["made_of"] == fresh["made_of"]
+    # How states are numbered is another matter each time.
+    assert kept.keys() == fresh.keys()
 
 
 # What is refused

@@ -9,7 +9,7 @@ from deixis import __version__
 from deixis._files import kb_dir, rules_dir
 from deixis.errors import DeixisError
 
-LIBRARIES = ("numpy", "scipy", "shapely", "trimesh", "pydantic", "pyswip", "typer")
+LIBRARIES = ("duckdb", "lark", "numpy", "scipy", "shapely", "trimesh", "pydantic", "pyswip", "typer")
 
 
 def report() -> bool:

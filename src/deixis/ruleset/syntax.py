@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
+from hashlib import sha256
 from importlib.resources import files
+from pathlib import Path
 from typing import Any, Final
 
 from lark import Lark, Token, Transformer, v_args
+from lark import __version__ as lark_version
 from lark.exceptions import UnexpectedEOF, UnexpectedInput, UnexpectedToken
+from lark.grammar import Rule
+from lark.lexer import TerminalDef
 
 DEEPEST: Final = 60
 """Terms within terms."""
@@ -182,8 +188,36 @@ class _Build(Transformer[Token, Any]):
 
 @cache
 def _parser() -> Lark:
-    grammar = files("deixis.ruleset").joinpath("grammar.lark").read_text(encoding="utf-8")
+    """Return the parser, from its tables where they were made of this grammar by this version of lark.
+
+    Making them takes longer than all else that reading a rule file takes.
+    """
+    here = files("deixis.ruleset")
+    grammar = here.joinpath("grammar.lark").read_text(encoding="utf-8")
+    tables = json.loads(here.joinpath("grammar.json").read_text(encoding="utf-8"))
+    if tables["made_of"] == _made_of(grammar):
+        data, memo = _whole_keys(tables["data"]), _whole_keys(tables["memo"])
+        made: Lark = Lark._load_from_dict(data, memo, transformer=_Build())  # type: ignore[no-untyped-call]
+        return made
     return Lark(grammar, parser="lalr", transformer=_Build(), maybe_placeholders=False)
+
+
+def parser_tables(grammar: str) -> str:
+    """Return the text of ``grammar.json`` for a grammar; ``python -m deixis.ruleset.syntax`` writes it."""
+    parser = Lark(grammar, parser="lalr", maybe_placeholders=False)
+    data, memo = parser.memo_serialize([TerminalDef, Rule])
+    return json.dumps({"made_of": _made_of(grammar), "data": data, "memo": memo}, sort_keys=True) + "\n"
+
+
+def _made_of(grammar: str) -> str:
+    return f"lark {lark_version}, {sha256(grammar.encode()).hexdigest()}"
+
+
+def _whole_keys(value: Any) -> Any:
+    """Return JSON with its keys as the whole numbers they were."""
+    if isinstance(value, dict):
+        return {int(key) if key.isdigit() else key: _whole_keys(one) for key, one in value.items()}
+    return [_whole_keys(one) for one in value] if isinstance(value, list) else value
 
 
 _ESCAPE: Final = re.compile(
@@ -229,3 +263,9 @@ def unquoted(text: str) -> str:
         return known
 
     return _ESCAPE.sub(one, text[1:-1])
+
+
+if __name__ == "__main__":
+    _here = Path(__file__).parent
+    _text = (_here / "grammar.lark").read_text(encoding="utf-8")
+    (_here / "grammar.json").write_text(parser_tables(_text), encoding="utf-8")

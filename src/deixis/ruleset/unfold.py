@@ -153,8 +153,8 @@ class _Writer:
         for have, want in zip(first.head.args, atom.args, strict=True):
             if isinstance(have, Variable):
                 binding[have.name] = want
-            elif isinstance(want, Variable):
-                outer[want.name] = have
+            elif isinstance(want, Variable) and outer.setdefault(want.name, have) != have:
+                return None
         body = tuple(_put(goal, binding, suffix) for goal in first.body)
         whole = Rule(rule.head, (*rule.body[:at], *body, *rule.body[at + 1 :]), rule.doc)
         if not outer:

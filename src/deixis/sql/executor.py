@@ -86,6 +86,8 @@ class SqlExecutor:
     ruleset : Ruleset
     threads : int, optional
         By default as many as there are processors.
+    beside : SqlExecutor, optional
+        Another executor, whose database serves for this one too: starting one takes longer than most rules.
 
     Examples
     --------
@@ -101,14 +103,15 @@ class SqlExecutor:
     [('extinguisher2', 'wall')]
     """
 
-    def __init__(self, ruleset: Ruleset, *, threads: int | None = None) -> None:
+    def __init__(
+        self, ruleset: Ruleset, *, threads: int | None = None, beside: SqlExecutor | None = None
+    ) -> None:
         self.ruleset = ruleset
-        settings: dict[str, str | bool | int | float | list[str]] = dict(_SETTINGS)
-        settings["threads"] = threads or os.cpu_count() or 1
-        self._connection = duckdb.connect(":memory:", config=settings)
-        self._connection.execute("SET lock_configuration = true")
         self._programs: dict[tuple[tuple[Indicator, ...], bool], tuple[Program, str]] = {}
-        self._lock = threading.Lock()
+        self._connection: duckdb.DuckDBPyConnection = (
+            _database(threads) if beside is None else beside._connection
+        )
+        self._lock: threading.Lock = threading.Lock() if beside is None else beside._lock
 
     def __enter__(self) -> SqlExecutor:
         return self
@@ -264,6 +267,14 @@ class SqlExecutor:
                 watcher.join()
         if late.is_set():
             raise QueryTimeout(f"no answer within {timeout:g} s: ask something narrower, or allow more time")
+
+
+def _database(threads: int | None) -> duckdb.DuckDBPyConnection:
+    settings: dict[str, str | bool | int | float | list[str]] = dict(_SETTINGS)
+    settings["threads"] = threads or os.cpu_count() or 1
+    connection = duckdb.connect(":memory:", config=settings)
+    connection.execute("SET lock_configuration = true")
+    return connection
 
 
 def _first(program: Program, node: Node, step: Step) -> list[str]:

@@ -254,7 +254,9 @@ def _denied_margin(inner: _Scope) -> str:
     """Return the margin of a denial: that of the nearest derivation with its sign turned, or none."""
     least = _least(inner.margins)
     if inner.sources:
-        return f"coalesce(-({_select(f'max({least})', inner)}), {INFINITE})"
+        # Named first: the greatest of what only the outer query knows would be taken there.
+        near = _select(f"{least} AS near", inner)
+        return f"coalesce(-(SELECT max(near) FROM ({near})), {INFINITE})"
     if inner.conditions:
         return f"CASE WHEN {' AND '.join(inner.conditions)} THEN -{least} ELSE {INFINITE} END"
     return f"-{least}"
