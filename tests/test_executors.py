@@ -415,6 +415,17 @@ def test_only_duckdb_is_imported_for_relations() -> None:
     assert told.stdout == "['duckdb']\n"
 
 
+def test_without_a_triple_store_the_remedy_is_named() -> None:
+    code = (
+        "import sys; sys.modules['pyoxigraph'] = None; from deixis.cli import main; "
+        f"sys.argv = ['deixis', 'relations', {str(GOLDEN['figure_3'])!r}, '--engine', 'sparql']; "
+        "sys.exit(main())"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (told.returncode, told.stdout) == (2, "")
+    assert told.stderr == "deixis: SPARQL needs pyoxigraph: pip install 'deixis[rdf]'\n"
+
+
 def test_the_database_is_closed_to_the_world(sql: SqlExecutor, tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("a\n1\n", encoding="utf-8")
     for statement in (
@@ -448,6 +459,16 @@ def test_a_question_that_takes_too_long_is_stopped(files: list[RuleFile], sql: S
     assert sql.run(facts, [("near", 2)])["near", 2].rows()
     with pytest.raises(QueryTimeout):
         SparqlExecutor(ruleset).run(facts, [("q", 1)], timeout=0.0)
+
+
+def test_long_chains_of_rules(files: list[RuleFile], sql: SqlExecutor) -> None:
+    text = "".join(f"p{at}(X) :- p{at + 1}(X).\n" for at in range(400)) + "p400(X) :- surface(X).\n"
+    file, _ = read_text(text, Path("chain.pl"))
+    ruleset, problems = assemble(files, [file])
+    assert problems == []
+    facts = KnowledgeBase.from_scene(GOLDEN["cup_on_table"]).facts
+    found = SqlExecutor(ruleset, beside=sql).run(facts, [("p0", 1), ("p399", 1)])
+    assert found["p0", 1].rows() == found["p399", 1].rows() == [("floor",)]
 
 
 def test_an_executor_serves_many_threads(sql: SqlExecutor) -> None:

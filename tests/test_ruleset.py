@@ -138,7 +138,7 @@ def test_the_parser_s_tables_are_made_of_the_grammar(root: Path) -> None:
     fresh = json.loads(parser_tables((here / "grammar.lark").read_text(encoding="utf-8")))
     kept = json.loads((here / "grammar.json").read_text(encoding="utf-8"))
     assert kept["made_of"] == fresh["made_of"]
-    assert len(str(kept)) == len(str(fresh))
+    assert kept.keys() == fresh.keys()
 
 
 # What is refused

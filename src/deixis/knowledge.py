@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from deixis.explain import Answer
     from deixis.prolog import Answers, PrologEngine
     from deixis.ruleset import Indicator, Ruleset
+    from deixis.sql import SqlExecutor
 
 _ORDER = {term.name: position for position, term in enumerate((*BASE, *RELATIONS))}
 
@@ -132,7 +133,10 @@ class KnowledgeBase:
         self.close()
 
     def close(self) -> None:
-        """Stop the logic engine, if it was started."""
+        """Stop the logic engines, if they were started."""
+        sql: SqlExecutor | None = self.__dict__.pop("_sql", None)
+        if sql is not None:
+            sql.close()
         if self._engine is not None:
             self._engine.close()
             self._engine = None
@@ -253,7 +257,13 @@ class KnowledgeBase:
             return engines.by_prolog(self.engine, wanted, timeout)
         derived = engines.by_sparql if engine == "sparql" else engines.by_sql
         labels = [(one.id, one.label) for one in self.scene.views]
-        return derived(self.ruleset, self.facts, labels, wanted, timeout)
+        return derived(self._sql, self.facts, labels, wanted, timeout)
+
+    @cached_property
+    def _sql(self) -> SqlExecutor:
+        from deixis.sql import SqlExecutor
+
+        return SqlExecutor(self.ruleset)
 
     def _predicates(self, name: str) -> list[Indicator]:
         """Return the predicates that a relation's name stands for."""

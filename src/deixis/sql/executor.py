@@ -162,7 +162,7 @@ class SqlExecutor:
             }
             limits = {name: value for name, value in facts.thresholds.items() if name in program.thresholds}
             with self._answering(timeout), self._registered(tables):
-                for step in program.steps if program.recursive else ():
+                for step in program.steps if program.stepwise else ():
                     self._derive(program, step, limits)
                 found = self._execute(statement, limits).fetchnumpy()
         return _tables(program, found, symbols)
