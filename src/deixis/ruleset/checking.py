@@ -18,7 +18,6 @@ from deixis.ruleset.reading import read_file
 from deixis.ruleset.reserved import reserved
 from deixis.ruleset.safety import unsafe
 
-
 _MOST_GUESSES: Final = 20
 """Of what may have been meant, in a file: each takes a look at all names."""
 

@@ -13,7 +13,6 @@ from deixis.ruleset.model import Atom, Comparison, Constant, Expression, Goal, N
 from deixis.ruleset.unfold import unfolded
 from deixis.sql.rules_sql import INFINITE, Mode, Names, Node, RuleSql, columns_of
 
-
 MOST_AT_ONCE: Final = 100
 """Tables that one statement derives; DuckDB takes no more than some hundreds, one on the other."""
 
