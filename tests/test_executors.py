@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import random
+import re
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -191,6 +192,25 @@ def test_random_programs(
     draw = random.Random(seed)  # noqa: S311 - no secret
     group = [random_program(draw) for _ in range(PROGRAMS)]
     differences(group, draw.choice(small), files, sql, batch, draw.random() < 0.5)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_passes_the_check_loads_in_prolog(seed: int, files: list[RuleFile], tmp_path: Path) -> None:
+    """SWI-Prolog complains of nothing that the check lets pass."""
+    lines = random_program(random.Random(seed)).text.split("\n")  # noqa: S311 - no secret
+    path = tmp_path / "random.pl"
+    while True:
+        file, _ = read_text("\n".join(lines), path)
+        ruleset, problems = assemble(files, [file])
+        if not problems:
+            break
+        place = problems[-1].place
+        assert problems[-1].message.startswith("Singleton variable")
+        line = lines[place.line - 1]
+        lines[place.line - 1] = line[: place.column - 1] + re.sub(r"^\w+", "_", line[place.column - 1 :])
+    path.write_text("\n".join(lines), encoding="utf-8")
+    with PrologEngine([*theory_files(), path], tabled=sorted(ruleset.graph.recursive)) as engine:
+        assert engine.ask("true")
 
 
 @pytest.mark.long

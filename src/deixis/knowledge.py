@@ -336,7 +336,7 @@ def datalog_files() -> tuple[Path, ...]:
 
 def _rounded(margin: float | None) -> float | None:
     """Return a margin to a nanometre, as lengths are measured: differences carry rounding noise."""
-    return None if margin is None else round(margin, SNAP_DECIMALS)
+    return None if margin is None else round(margin, SNAP_DECIMALS) + 0.0
 
 
 def _hint(name: str, known: Sequence[str]) -> str:
