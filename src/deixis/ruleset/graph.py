@@ -38,6 +38,7 @@ class Graph:
 
         Examples
         --------
+        >>> from pathlib import Path
         >>> from deixis.ruleset.reading import read_text
         >>> file, _ = read_text("p(X) :- e(X). q(X) :- e(X), \\+ p(X).", Path("x.pl"))
         >>> [sorted(one) for one in Graph.of(file.rules).components]

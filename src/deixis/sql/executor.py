@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import threading
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -107,6 +109,7 @@ class SqlExecutor:
         self._connection: duckdb.DuckDBPyConnection = (
             _database(threads) if beside is None else beside._connection
         )
+        self._deadline = math.inf
         self._lock: threading.Lock = threading.Lock() if beside is None else beside._lock
 
     def __enter__(self) -> SqlExecutor:
@@ -176,8 +179,14 @@ class SqlExecutor:
         return known
 
     def _execute(self, statement: str, limits: Mapping[str, float]) -> duckdb.DuckDBPyConnection:
+        self._in_time()
         used = {name: value for name, value in limits.items() if f"${name}" in statement}
         return self._connection.execute(statement, used or None)
+
+    def _in_time(self) -> None:
+        # An interruption between two statements is lost.
+        if time.monotonic() > self._deadline:
+            raise TimeoutError
 
     def _derive(self, program: Program, step: Step, limits: Mapping[str, float]) -> None:
         """Make the tables of one step; of a recursive one by adding what follows from what is new."""
@@ -238,12 +247,14 @@ class SqlExecutor:
     @contextmanager
     def _answering(self, timeout: float | None) -> Iterator[None]:
         """Stop what takes too long, and turn DuckDB's errors into ours."""
+        self._deadline = math.inf if timeout is None else time.monotonic() + timeout
         timer = None if timeout is None else threading.Timer(timeout, self._connection.interrupt)
         if timer is not None:
             timer.start()
         try:
             yield
-        except duckdb.InterruptException:
+            self._in_time()
+        except (duckdb.InterruptException, TimeoutError):
             raise QueryTimeout(
                 f"no answer within {timeout:g} s: ask something narrower, or allow more time"
             ) from None
