@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import random
+import re
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -191,6 +192,25 @@ def test_random_programs(
     draw = random.Random(seed)  # noqa: S311 - no secret
     group = [random_program(draw) for _ in range(PROGRAMS)]
     differences(group, draw.choice(small), files, sql, batch, draw.random() < 0.5)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_passes_the_check_loads_in_prolog(seed: int, files: list[RuleFile], tmp_path: Path) -> None:
+    """SWI-Prolog complains of nothing that the check lets pass."""
+    lines = random_program(random.Random(seed)).text.split("\n")  # noqa: S311 - no secret
+    path = tmp_path / "random.pl"
+    while True:
+        file, _ = read_text("\n".join(lines), path)
+        ruleset, problems = assemble(files, [file])
+        if not problems:
+            break
+        place = problems[-1].place
+        assert problems[-1].message.startswith("Singleton variable")
+        line = lines[place.line - 1]
+        lines[place.line - 1] = line[: place.column - 1] + re.sub(r"^\w+", "_", line[place.column - 1 :])
+    path.write_text("\n".join(lines), encoding="utf-8")
+    with PrologEngine([*theory_files(), path], tabled=sorted(ruleset.graph.recursive)) as engine:
+        assert engine.ask("true")
 
 
 @pytest.mark.long
@@ -417,6 +437,17 @@ def test_only_duckdb_is_imported_for_relations() -> None:
     assert told.stdout == "['duckdb']\n"
 
 
+def test_without_a_triple_store_the_remedy_is_named() -> None:
+    code = (
+        "import sys; sys.modules['pyoxigraph'] = None; from deixis.cli import main; "
+        f"sys.argv = ['deixis', 'relations', {str(GOLDEN['figure_3'])!r}, '--engine', 'sparql']; "
+        "sys.exit(main())"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (told.returncode, told.stdout) == (2, "")
+    assert told.stderr == "deixis: SPARQL needs pyoxigraph: pip install 'deixis[rdf]'\n"
+
+
 def test_the_database_is_closed_to_the_world(sql: SqlExecutor, tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("a\n1\n", encoding="utf-8")
     for statement in (
@@ -450,6 +481,16 @@ def test_a_question_that_takes_too_long_is_stopped(files: list[RuleFile], sql: S
     assert sql.run(facts, [("near", 2)])["near", 2].rows()
     with pytest.raises(QueryTimeout):
         SparqlExecutor(ruleset).run(facts, [("q", 1)], timeout=0.0)
+
+
+def test_long_chains_of_rules(files: list[RuleFile], sql: SqlExecutor) -> None:
+    text = "".join(f"p{at}(X) :- p{at + 1}(X).\n" for at in range(400)) + "p400(X) :- surface(X).\n"
+    file, _ = read_text(text, Path("chain.pl"))
+    ruleset, problems = assemble(files, [file])
+    assert problems == []
+    facts = KnowledgeBase.from_scene(GOLDEN["cup_on_table"]).facts
+    found = SqlExecutor(ruleset, beside=sql).run(facts, [("p0", 1), ("p399", 1)])
+    assert found["p0", 1].rows() == found["p399", 1].rows() == [("floor",)]
 
 
 def test_an_executor_serves_many_threads(sql: SqlExecutor) -> None:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 if TYPE_CHECKING:
     from deixis.facts import Facts
     from deixis.prolog import PrologEngine
-    from deixis.ruleset import Indicator, Ruleset
+    from deixis.ruleset import Indicator
+    from deixis.sql import SqlExecutor
 
 Engine = Literal["duckdb", "prolog", "sparql"]
 """What can derive all relations of a scene; each gives the same."""
@@ -20,20 +21,17 @@ Found = tuple["Indicator", Row, float | None]
 
 
 def by_sql(
-    ruleset: Ruleset,
+    executor: SqlExecutor,
     facts: Facts,
     labels: Sequence[tuple[str, str]],
     wanted: Sequence[Indicator],
     timeout: float | None,
 ) -> Iterator[Found]:
     """Yield what DuckDB derives."""
-    from deixis.sql import SqlExecutor
-
-    with SqlExecutor(ruleset) as executor:
-        tables = executor.run(facts, wanted, view_labels=labels, timeout=timeout)
-        for predicate, table in tables.items():
-            for row, margin in table.named():
-                yield predicate, tuple(map(str, row)), margin if math.isfinite(margin) else None
+    tables = executor.run(facts, wanted, view_labels=labels, timeout=timeout)
+    for predicate, table in tables.items():
+        for row, margin in table.named():
+            yield predicate, tuple(map(str, row)), margin if math.isfinite(margin) else None
 
 
 def by_prolog(engine: PrologEngine, wanted: Sequence[Indicator], timeout: float | None) -> Iterator[Found]:
@@ -47,7 +45,7 @@ def by_prolog(engine: PrologEngine, wanted: Sequence[Indicator], timeout: float 
 
 
 def by_sparql(
-    ruleset: Ruleset,
+    executor: SqlExecutor,
     facts: Facts,
     labels: Sequence[tuple[str, str]],
     wanted: Sequence[Indicator],
@@ -66,9 +64,10 @@ def by_sparql(
     from deixis.errors import EngineError
     from deixis.rdf import SparqlExecutor
 
-    holds = SparqlExecutor(ruleset).run(facts, wanted, view_labels=labels, timeout=timeout)
+    holds = SparqlExecutor(executor.ruleset).run(facts, wanted, view_labels=labels, timeout=timeout)
     margins = {
-        (predicate, row): margin for predicate, row, margin in by_sql(ruleset, facts, labels, wanted, timeout)
+        (predicate, row): margin
+        for predicate, row, margin in by_sql(executor, facts, labels, wanted, timeout)
     }
     found = [(predicate, tuple(map(str, row))) for predicate, rows in holds.items() for row in rows]
     if set(found) != margins.keys():

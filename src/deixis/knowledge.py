@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from deixis.explain import Answer
     from deixis.prolog import Answers, PrologEngine
     from deixis.ruleset import Indicator, Ruleset
+    from deixis.sql import SqlExecutor
 
 _ORDER = {term.name: position for position, term in enumerate((*BASE, *RELATIONS))}
 
@@ -89,7 +90,10 @@ class KnowledgeBase:
         self.close()
 
     def close(self) -> None:
-        """Stop the logic engine, if it was started."""
+        """Stop the logic engines, if they were started."""
+        sql: SqlExecutor | None = self.__dict__.pop("_sql", None)
+        if sql is not None:
+            sql.close()
         if self._engine is not None:
             self._engine.close()
             self._engine = None
@@ -222,7 +226,13 @@ class KnowledgeBase:
             return engines.by_prolog(self.engine, wanted, timeout)
         derived = engines.by_sparql if engine == "sparql" else engines.by_sql
         labels = [(one.id, one.label) for one in self.scene.views]
-        return derived(self.ruleset, self.facts, labels, wanted, timeout)
+        return derived(self._sql, self.facts, labels, wanted, timeout)
+
+    @cached_property
+    def _sql(self) -> SqlExecutor:
+        from deixis.sql import SqlExecutor
+
+        return SqlExecutor(self.ruleset)
 
     def _predicates(self, name: str) -> list[Indicator]:
         """Return the predicates that a relation's name stands for."""
@@ -359,7 +369,7 @@ def datalog_files() -> tuple[Path, ...]:
 
 def _rounded(margin: float | None) -> float | None:
     """Return a margin to a nanometre, as lengths are measured: differences carry rounding noise."""
-    return None if margin is None else round(margin, SNAP_DECIMALS)
+    return None if margin is None else round(margin, SNAP_DECIMALS) + 0.0
 
 
 def _hint(name: str, known: Sequence[str]) -> str:

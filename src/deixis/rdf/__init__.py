@@ -1,14 +1,19 @@
-"""The rules as SPARQL in a triple store; needs the extra ``rdf``."""
+"""The rules as SPARQL: text for any triple store, and one in memory that runs it (the extra ``rdf``)."""
+
+from typing import TYPE_CHECKING, Any
 
 from deixis.rdf.sparql import constructs
 
+if TYPE_CHECKING:
+    from deixis.rdf.executor import SparqlExecutor
+
 __all__ = ["SparqlExecutor", "constructs"]
 
-try:
-    from deixis.rdf.executor import SparqlExecutor
-except ModuleNotFoundError as error:
-    if error.name != "pyoxigraph":
-        raise
-    from deixis.errors import MissingDependency
 
-    raise MissingDependency("SPARQL needs pyoxigraph: pip install 'deixis[rdf]'") from None
+def __getattr__(name: str) -> Any:
+    # The text can be had without a triple store.
+    if name == "SparqlExecutor":
+        from deixis.rdf.executor import SparqlExecutor
+
+        return SparqlExecutor
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

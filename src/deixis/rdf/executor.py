@@ -7,9 +7,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-import pyoxigraph as ox
 
-from deixis.errors import QueryTimeout
+from deixis.errors import MissingDependency, QueryTimeout
 from deixis.facts import Facts
 from deixis.rdf.layout import DOUBLE, NODE, TYPE, iri, is_node, term, text_of
 from deixis.rdf.sparql import RuleSparql, select
@@ -17,6 +16,11 @@ from deixis.ruleset import Indicator, Kind, Rule, Ruleset
 from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.columns import Symbols, base_columns
 from deixis.ruleset.model import Constant
+
+try:
+    import pyoxigraph as ox
+except ModuleNotFoundError:
+    raise MissingDependency("SPARQL needs pyoxigraph: pip install 'deixis[rdf]'") from None
 
 Value = str | float
 _TYPE = ox.NamedNode(TYPE)

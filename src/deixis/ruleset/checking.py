@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
+from typing import Final
 
 from deixis.errors import RuleError
 from deixis.ruleset.base import BASE_FACTS
@@ -16,6 +17,11 @@ from deixis.ruleset.model import Indicator, Kind, Place, Problem, Rule, RuleFile
 from deixis.ruleset.reading import read_file
 from deixis.ruleset.reserved import reserved
 from deixis.ruleset.safety import unsafe
+
+_MOST_GUESSES: Final = 20
+"""Of what may have been meant, in a file: each takes a look at all names."""
+
+_LONGEST_WAY: Final = 12
 
 
 @dataclass(frozen=True)
@@ -195,6 +201,7 @@ def _unknown(
     by_name = {one.path.stem: one for one in files}
     own = {one for one, _ in file.declared} | {rule.head.predicate for rule in file.rules}
     seen = set(own)
+    guesses = 0
     for name, place in file.imports:
         imported = by_name.get(Path(name).stem)
         if imported is None:
@@ -211,9 +218,9 @@ def _unknown(
         for atom, _ in atoms(rule.body):
             if atom.predicate not in known:
                 if not partial or not any(atom.predicate in one.exports for one in files):
-                    yield Problem(
-                        atom.place, f"{shown(atom.predicate)} is not defined", _meant(atom.predicate, known)
-                    )
+                    guesses += 1
+                    hint = _meant(atom.predicate, known) if guesses <= _MOST_GUESSES else ""
+                    yield Problem(atom.place, f"{shown(atom.predicate)} is not defined", hint)
             elif file.module is not None and atom.predicate not in seen:
                 owner = next((one for one in files if atom.predicate in _defines(one)), None)
                 what = f":- use_module({owner.path.stem})" if owner else ""
@@ -244,16 +251,12 @@ def _did_you_mean(name: str, known: Sequence[str]) -> str:
 
 
 def _unstratified(graph: Graph) -> Iterator[Problem]:
-    told = set()
-    for edge in graph.edges:
-        if not edge.denied:
-            continue
-        cycle = graph.cycle(edge)
-        if cycle is not None and frozenset(cycle) not in told:
-            told.add(frozenset(cycle))
-            way = " needs ".join(shown(one) for one in (edge.head, *cycle))
-            yield Problem(
-                edge.place,
-                f"{shown(edge.head)} rests on its own denial: {way}",
-                "no order derives it: break the circle",
-            )
+    for edge, way in graph.denied_cycles():
+        named = [shown(one) for one in (edge.head, *way)]
+        if len(named) > _LONGEST_WAY:
+            named[_LONGEST_WAY // 2 : -_LONGEST_WAY // 2] = ["..."]
+        yield Problem(
+            edge.place,
+            f"{shown(edge.head)} rests on its own denial: {' needs '.join(named)}",
+            "no order derives it: break the circle",
+        )

@@ -15,7 +15,7 @@ from typing import Final
 
 from deixis.ruleset.model import Place, Problem
 
-MOST_CHARACTERS: Final = 1 << 20
+MOST_CHARACTERS: Final = 1 << 18
 """Of a file."""
 
 LONGEST_CLAUSE: Final = 1 << 16

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from deixis.ruleset.model import Indicator, Place, Rule, atoms
@@ -75,24 +75,19 @@ class Graph:
             level.update(dict.fromkeys(component, least))
         return level
 
-    def cycle(self, edge: Edge) -> list[Indicator] | None:
-        """Return the way from an edge's target back to its head, or None where there is none."""
-        component = next(one for one in self.components if edge.head in one)
-        if edge.on not in component:
-            return None
-        came: dict[Indicator, Indicator] = {}
-        todo = [edge.on]
-        for at in todo:
-            if at == edge.head:
-                break
-            for other in self.edges:
-                if other.head == at and other.on in component and other.on not in came:
-                    came[other.on] = at
-                    todo.append(other.on)
-        way = [edge.head]
-        while way[-1] != edge.on:
-            way.append(came[way[-1]])
-        return way[::-1]
+    def denied_cycles(self) -> Iterator[tuple[Edge, list[Indicator]]]:
+        """Yield for each component with a denial in it one such edge, and the way from its target back."""
+        place = {one: at for at, component in enumerate(self.components) for one in component}
+        below: dict[Indicator, list[Indicator]] = {}
+        for edge in self.edges:
+            if place[edge.head] == place[edge.on]:
+                below.setdefault(edge.head, []).append(edge.on)
+        told: set[int] = set()
+        for edge in self.edges:
+            at = place[edge.head]
+            if edge.denied and at == place[edge.on] and at not in told:
+                told.add(at)
+                yield edge, _way(below, edge.on, edge.head)
 
     def needed(self, wanted: Iterable[Indicator]) -> frozenset[Indicator]:
         """Return the predicates that some rest on, themselves included."""
@@ -107,6 +102,23 @@ class Graph:
                 found.add(one)
                 todo += on.get(one, ())
         return frozenset(found)
+
+
+def _way(below: Mapping[Indicator, Sequence[Indicator]], start: Indicator, end: Indicator) -> list[Indicator]:
+    """Return the shortest way between two predicates of one component."""
+    came: dict[Indicator, Indicator] = {}
+    todo = [start]
+    for at in todo:
+        if at == end:
+            break
+        for other in below.get(at, ()):
+            if other not in came and other != start:
+                came[other] = at
+                todo.append(other)
+    way = [end]
+    while way[-1] != start:
+        way.append(came[way[-1]])
+    return way[::-1]
 
 
 def _components(after: Mapping[Indicator, Sequence[Indicator]]) -> list[list[Indicator]]:

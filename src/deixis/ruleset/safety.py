@@ -9,7 +9,6 @@ from deixis.ruleset.model import (
     Atom,
     Comparison,
     Constant,
-    Goal,
     Negation,
     Problem,
     Rule,
@@ -53,6 +52,7 @@ def unsafe(rule: Rule) -> Iterator[Problem]:
             yield Problem(
                 value.place, f"{value.name} is bound by no goal", "a goal that is not denied must bind it"
             )
+    yield from _shared(rule, bound)
     yield from _singletons(rule)
 
 
@@ -107,8 +107,27 @@ def _singletons(rule: Rule) -> Iterator[Problem]:
     for one in everywhere:
         if times[one.name] == 1 and not one.name.startswith("_") and one.name not in in_head:
             yield Problem(one.place, f"Singleton variable {one.name}", "write _ if any will do", warning=True)
+    told: set[str] = set()
+    for one in everywhere:
+        if times[one.name] > 1 and _marked(one.name) and one.name not in told:
+            told.add(one.name)
+            hint = "a variable that begins with _ stands once"
+            yield Problem(one.place, f"{one.name} stands more than once", hint, warning=True)
 
 
-def bound_before(goals: Iterable[Goal]) -> set[str]:
-    """Return the names of the variables that the goals bind which are not denied."""
-    return {one.name for goal in goals if isinstance(goal, Atom) for one in variables(goal)}
+def _marked(name: str) -> bool:
+    return name[:1] == "_" and name[1:2].isupper()
+
+
+def _shared(rule: Rule, bound: set[str]) -> Iterator[Problem]:
+    """Yield the variables that stand in two denials and nowhere else."""
+    seen: set[str] = set()
+    for goal in rule.body:
+        if not isinstance(goal, Negation):
+            continue
+        inner = {one.name: one for one in reversed(list(variables(goal))) if one.name not in bound}
+        for name, one in inner.items():
+            if name in seen:
+                hint = "it means any in each: name it anew"
+                yield Problem(one.place, f"{name} stands in two denials", hint, warning=True)
+        seen |= inner.keys()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import threading
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -111,6 +113,7 @@ class SqlExecutor:
         self._connection: duckdb.DuckDBPyConnection = (
             _database(threads) if beside is None else beside._connection
         )
+        self._deadline = math.inf
         self._lock: threading.Lock = threading.Lock() if beside is None else beside._lock
 
     def __enter__(self) -> SqlExecutor:
@@ -166,7 +169,7 @@ class SqlExecutor:
             }
             limits = {name: value for name, value in facts.thresholds.items() if name in program.thresholds}
             with self._answering(timeout), self._registered(tables):
-                for step in program.steps if program.recursive else ():
+                for step in program.steps if program.stepwise else ():
                     self._derive(program, step, limits)
                 found = self._execute(statement, limits).fetchnumpy()
         return _tables(program, found, symbols)
@@ -180,8 +183,14 @@ class SqlExecutor:
         return known
 
     def _execute(self, statement: str, limits: Mapping[str, float]) -> duckdb.DuckDBPyConnection:
+        self._in_time()
         used = {name: value for name, value in limits.items() if f"${name}" in statement}
         return self._connection.execute(statement, used or None)
+
+    def _in_time(self) -> None:
+        # An interruption between two statements is lost.
+        if time.monotonic() > self._deadline:
+            raise TimeoutError
 
     def _derive(self, program: Program, step: Step, limits: Mapping[str, float]) -> None:
         """Make the tables of one step; of a recursive one by adding what follows from what is new."""
@@ -242,6 +251,7 @@ class SqlExecutor:
     @contextmanager
     def _answering(self, timeout: float | None) -> Iterator[None]:
         """Stop what takes too long, and turn DuckDB's errors into ours."""
+        self._deadline = math.inf if timeout is None else time.monotonic() + timeout
         done, late = threading.Event(), threading.Event()
 
         def watch() -> None:
@@ -257,7 +267,8 @@ class SqlExecutor:
             watcher.start()
         try:
             yield
-        except duckdb.InterruptException:
+            self._in_time()
+        except (duckdb.InterruptException, TimeoutError):
             late.set()
         except duckdb.Error as error:
             raise EngineError(f"the rules cannot be run in SQL: {error}") from error

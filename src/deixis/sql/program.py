@@ -6,11 +6,15 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Final
 
 from deixis.ruleset import Indicator, Rule, Ruleset
 from deixis.ruleset.model import Atom, Comparison, Constant, Expression, Goal, Negation
 from deixis.ruleset.unfold import unfolded
 from deixis.sql.rules_sql import INFINITE, Mode, Names, Node, RuleSql, columns_of
+
+MOST_AT_ONCE: Final = 100
+"""Tables that one statement derives; DuckDB takes no more than some hundreds, one on the other."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +52,9 @@ class Program:
         self.given = {one: tuple(rule for rule in rules if not rule.body) for one, rules in every.items()}
         self.thresholds: set[str] = set()
         self._read: set[str] = set()
+        self._alike: dict[str, list[Indicator]] = {}
+        for one in sorted(ruleset.kinds):
+            self._alike.setdefault(_plain(one), []).append(one)
         needed = self._needed()
         self.steps = tuple(self._ordered(needed))
         self.constants = tuple(sorted(set(self._constants(needed))))
@@ -64,9 +71,9 @@ class Program:
         self.given_tables = {one: name for one, name in names.items() if name in self._read}
 
     @property
-    def recursive(self) -> bool:
-        """Return whether it takes more than one statement."""
-        return any(step.recursive for step in self.steps)
+    def stepwise(self) -> bool:
+        """Return whether it takes more than one statement: for recursion, or because there is too much."""
+        return any(step.recursive for step in self.steps) or len(self.steps) > MOST_AT_ONCE
 
     def _needed(self) -> set[Node]:
         """Return the tables that the wanted ones rest on."""
@@ -112,7 +119,7 @@ class Program:
     def _tables(self, needed: set[Node]) -> dict[Node, str]:
         """Return the name of each node's table: derived by rules, or given as facts."""
         return {
-            (predicate, mode): table_name(self.ruleset, predicate, mode)
+            (predicate, mode): self._table_name(predicate, mode)
             if self._rules.get(predicate)
             else self.given_name(predicate)
             for predicate, mode in needed
@@ -120,7 +127,13 @@ class Program:
 
     def given_name(self, predicate: Indicator) -> str:
         """Return the table of a predicate's facts."""
-        return table_name(self.ruleset, predicate, "given")
+        return self._table_name(predicate, "given")
+
+    def _table_name(self, predicate: Indicator, what: str) -> str:
+        """Return the name of a table: only small letters, digits and _, whatever the predicate is called."""
+        same = self._alike[_plain(predicate)]
+        number = f"_{same.index(predicate)}" if len(same) > 1 else ""
+        return f"{_plain(predicate)}{number}_{what}"
 
     def selects(self, node: Node, delta: Sequence[Node] = ()) -> Iterator[str]:
         """Yield a SELECT for each rule of a node.
@@ -220,7 +233,7 @@ class Program:
     def statement(self) -> str:
         """Return the statement that gives all wanted rows.
 
-        Where rules are recursive the tables of all steps must be there; otherwise it derives them itself.
+        Where it goes step by step the tables of all steps must be there; otherwise it derives them itself.
         """
         return self._result
 
@@ -229,7 +242,7 @@ class Program:
         parts = [
             f"{self.names.tables[node]} AS ({self.table(node, list(self.selects(node)))})" for node in nodes
         ]
-        if self.recursive:
+        if self.stepwise:
             return self.result()
         return (f"WITH {', '.join(parts)} " if parts else "") + self.result()
 
@@ -243,13 +256,6 @@ def arguments(predicate: Indicator) -> str:
     'a0, a1'
     """
     return ", ".join(f"a{at}" for at in range(predicate[1]))
-
-
-def table_name(ruleset: Ruleset, predicate: Indicator, what: str) -> str:
-    """Return the name of a table of a predicate: only small letters, digits and _, whatever it is called."""
-    plain = _plain(predicate)
-    same = [one for one in sorted(ruleset.kinds) if _plain(one) == plain]
-    return f"{plain}_{what}" if len(same) == 1 else f"{plain}_{same.index(predicate)}_{what}"
 
 
 def _plain(predicate: Indicator) -> str:
