@@ -6,7 +6,7 @@ import difflib
 import os
 import threading
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
@@ -15,73 +15,21 @@ from typing import TYPE_CHECKING, Any, Self
 from deixis._files import rules_dir
 from deixis.errors import QueryError
 from deixis.facts import Facts, RegionModel, SolidModel, region_model
+from deixis.frames import WORLD
 from deixis.grounding import ground
 from deixis.regions import BoxRegion
+from deixis.relations import Relation, Withheld, rounded
 from deixis.scene import Scene
-from deixis.thresholds import SNAP_DECIMALS
 from deixis.vocabulary import BASE, RELATIONS
 
 if TYPE_CHECKING:
     from deixis.engines import Engine, Found
     from deixis.explain import Answer
+    from deixis.inspection import Inspection
     from deixis.prolog import Answers, PrologEngine
     from deixis.ruleset import Indicator, Ruleset
 
 _ORDER = {term.name: position for position, term in enumerate((*BASE, *RELATIONS))}
-
-
-@dataclass(frozen=True, slots=True)
-class Relation:
-    """A relation that holds in a scene.
-
-    Attributes
-    ----------
-    relation : str
-        Name of the predicate, as in :mod:`deixis.vocabulary`.
-    figure, reference : str
-        Ids of the two things, in the order of the predicate's arguments: of ``compl_cont`` the container
-        comes first.
-    view : str or None
-        Id of the view, where it matters.
-    margin : float or None
-        Metres by which a measured length would have to change for the relation to cease.
-    """
-
-    relation: str
-    figure: str
-    reference: str
-    view: str | None
-    margin: float | None
-
-    def to_prolog(self) -> str:
-        """Return the relation as a Prolog fact without its full stop; ids are quoted."""
-        from deixis.prolog.quote import atom
-
-        ids = [self.figure, self.reference] + ([] if self.view is None else [self.view])
-        return f"{self.relation}({','.join(map(atom, ids))})"
-
-    def to_dict(self) -> dict[str, str | float | None]:
-        """Return the relation as a dict, ready for JSON."""
-        return {
-            "relation": self.relation,
-            "figure": self.figure,
-            "reference": self.reference,
-            "view": self.view,
-            "margin": self.margin,
-        }
-
-
-@dataclass(frozen=True, slots=True)
-class Withheld:
-    """A view that says nothing of what is beside, behind or in front of a reference, and why."""
-
-    view: str
-    reference: str
-    reason: str
-
-    def to_dict(self) -> dict[str, str]:
-        """Return the notice as a dict, ready for JSON."""
-        return {"view": self.view, "reference": self.reference, "reason": self.reason}
 
 
 class KnowledgeBase:
@@ -95,7 +43,8 @@ class KnowledgeBase:
     scene : Scene
     rules : sequence of path
         Rule files of the user's own, in the subset that ``deixis rules check`` checks, loaded after the
-        theory's. They are checked before any engine sees them.
+        theory's, or names of shipped ones: ``support``, ``background``, ``safety``. What they import with
+        ``use_module`` is loaded too. They are checked before any engine sees them.
     region : "box", "hull" or "mesh"
         What things are measured as: their boxes, convex hulls, or meshes where they have one (decision 0017).
 
@@ -112,7 +61,7 @@ class KnowledgeBase:
     ) -> None:
         self.scene = scene
         self.region = region_model(region)
-        self._rules = tuple(Path(path) for path in rules)
+        self._rules = tuple(rules)
         self._engine: PrologEngine | None = None
         self._starting = threading.Lock()
 
@@ -191,7 +140,20 @@ class KnowledgeBase:
         """
         from deixis.ruleset import load
 
-        return load(datalog_files(), self._rules)
+        return load(datalog_files(), self.rule_files)
+
+    @cached_property
+    def rule_files(self) -> tuple[Path, ...]:
+        """Return the user's rule files, each after those it imports.
+
+        Raises
+        ------
+        RuleError
+            One does not exist.
+        """
+        from deixis.ruleset import locate
+
+        return locate(self._rules, datalog_files()) if self._rules else ()
 
     @property
     def tabled(self) -> list[Indicator]:
@@ -206,7 +168,7 @@ class KnowledgeBase:
                 from deixis.prolog import PrologEngine
 
                 # Starting does not wait: Prolog comes up while the geometry is grounded.
-                engine = PrologEngine([*theory_files(), *self._rules], tabled=self.tabled)
+                engine = PrologEngine([*theory_files(), *self.rule_files], tabled=self.tabled)
                 try:
                     engine.load(self.facts_text(readable=False))
                 except BaseException:
@@ -252,7 +214,7 @@ class KnowledgeBase:
         if view is not None:
             self.check_view(view)
         found = [
-            Relation(name, row[0], row[1], row[2] if arity == 3 else None, _rounded(margin))
+            Relation(name, row[0], row[1], row[2] if arity == 3 else None, rounded(margin))
             for (name, arity), row, margin in self._derive(engine, wanted, timeout)
             if view is None or arity == 2 or row[2] == view
         ]
@@ -327,6 +289,77 @@ class KnowledgeBase:
             raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{_hint(name, known)}")
         return Answer.from_dict({**reply, "measured_as": self.measured_as})
 
+    def check(
+        self,
+        *,
+        view: str | None = None,
+        engine: Engine = "duckdb",
+        reasons: bool = True,
+        timeout: float = 60.0,
+    ) -> Inspection:
+        """Return which rules the scene breaks, by the rule files given, else by those of safety.
+
+        A rule file states a breach as ``violation(name_of_the_rule, Thing) :- ...`` or with a third argument
+        for another thing that is needed to see why; see ``rules/safety.pl``.
+
+        Parameters
+        ----------
+        view : str, optional
+            Look from this view only.
+        engine : {"duckdb", "prolog", "sparql"}
+            What derives the breaches; the answer is the same.
+        reasons : bool
+            Whether to give each breach a sentence and a proof, which needs SWI-Prolog.
+        timeout : float
+            Seconds, for deriving the breaches and again for the reasons of each.
+
+        Raises
+        ------
+        QueryError
+            The scene has no such view.
+        QueryTimeout
+            It took longer than ``timeout``.
+        RuleError
+            Something is wrong with a rule file, or none states a violation.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     print(kb.check().violations[-1].text)
+        the sweater is a fire hazard on or against the electric heater
+        """
+        from deixis.inspection import Inspection, Violation, in_order, stated
+        from deixis.prolog.quote import term
+        from deixis.prolog.terms import Atom, Compound
+        from deixis.ruleset import VIOLATIONS
+
+        if view is not None or not self._rules:
+            with self._variant(view) as variant:
+                found = variant.check(engine=engine, reasons=reasons, timeout=timeout)
+            return replace(found, view=view)
+        checked = stated(self.ruleset)
+        wanted = sorted(VIOLATIONS & self.ruleset.user)
+        violations = []
+        for (name, _), row, margin in in_order(self._derive(engine, wanted, timeout), checked):
+            text, proof = f"{name}({', '.join(row)})", None
+            if reasons:
+                proof = self.why(term(Compound(name, tuple(map(Atom, row)))), timeout=timeout).proof
+                text = text if proof is None else proof.text
+            violations.append(Violation(row[0], row[1:], rounded(margin), text, proof))
+        return Inspection(self.scene.id, None, checked, len(self.scene.objects), tuple(violations))
+
+    def _variant(self, view: str | None) -> KnowledgeBase:
+        """Return the same scene as seen from one view or all, with the rules given or those of safety."""
+        scene, facts = self.scene, self.facts
+        if view is not None:
+            self.check_view(view)
+            scene = replace(scene, views=tuple(one for one in scene.views if one.id == view))
+            facts = replace(facts, views=tuple(one for one in facts.views if one.view in (WORLD, view)))
+        variant = KnowledgeBase(scene, rules=self._rules or ("safety",), region=self.region)
+        variant.facts = facts
+        return variant
+
     def check_view(self, view: str) -> None:
         """Raise :class:`QueryError` unless the scene has this view."""
         known = [one.id for one in self.scene.views]
@@ -344,11 +377,6 @@ def theory_files() -> tuple[Path, ...]:
 def datalog_files() -> tuple[Path, ...]:
     """Return the rule files of the theory that are in the subset every engine runs, in loading order."""
     return tuple(rules_dir() / f"{name}.pl" for name in ("facts", "topology", "direction", "commonsense"))
-
-
-def _rounded(margin: float | None) -> float | None:
-    """Return a margin to a nanometre, as lengths are measured: differences carry rounding noise."""
-    return None if margin is None else round(margin, SNAP_DECIMALS)
 
 
 def _hint(name: str, known: Sequence[str]) -> str:

@@ -1,0 +1,66 @@
+"""Relations as values: what holds of which things, and what is withheld."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from deixis.thresholds import SNAP_DECIMALS
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """A relation that holds in a scene.
+
+    Attributes
+    ----------
+    relation : str
+        Name of the predicate, as in :mod:`deixis.vocabulary`.
+    figure, reference : str
+        Ids of the two things, in the order of the predicate's arguments: of ``compl_cont`` the container
+        comes first.
+    view : str or None
+        Id of the view, where it matters.
+    margin : float or None
+        Metres by which a measured length would have to change for the relation to cease.
+    """
+
+    relation: str
+    figure: str
+    reference: str
+    view: str | None
+    margin: float | None
+
+    def to_prolog(self) -> str:
+        """Return the relation as a Prolog fact without its full stop; ids are quoted."""
+        from deixis.prolog.quote import atom
+
+        ids = [self.figure, self.reference] + ([] if self.view is None else [self.view])
+        return f"{self.relation}({','.join(map(atom, ids))})"
+
+    def to_dict(self) -> dict[str, str | float | None]:
+        """Return the relation as a dict, ready for JSON."""
+        return {
+            "relation": self.relation,
+            "figure": self.figure,
+            "reference": self.reference,
+            "view": self.view,
+            "margin": self.margin,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Withheld:
+    """A view that says nothing of what is beside, behind or in front of a reference, and why."""
+
+    view: str
+    reference: str
+    reason: str
+
+    def to_dict(self) -> dict[str, str]:
+        """Return the notice as a dict, ready for JSON."""
+        return {"view": self.view, "reference": self.reference, "reason": self.reason}
+
+
+def rounded(margin: float | None) -> float | None:
+    """Return a margin to a nanometre, as lengths are measured: differences carry rounding noise."""
+    return None if margin is None else round(margin, SNAP_DECIMALS)
