@@ -285,14 +285,22 @@ def check(
 
 
 @app.command()
-def shell(scene: ScenePath, region: RegionOption = Region.BOX, rules: RuleFiles = None) -> None:
-    """Open SWI-Prolog with a scene and the rules loaded."""
+def shell(
+    scenes: Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files.")],
+    region: RegionOption = Region.BOX,
+    rules: RuleFiles = None,
+) -> None:
+    """Open SWI-Prolog with scenes and the rules loaded.
+
+    At its prompt also: objects, axioms, help(on_top_of), why(GOAL), why_not(GOAL), view(V). With several scenes
+    each id has the id of its scene and _ in front: cup of the scene hall is hall_cup.
+    """
     from deixis.knowledge import theory_files
     from deixis.prolog.shell import exec_shell
 
-    kb = _open(scene, region, rules)
-    tabled = kb.tabled
-    exec_shell([*theory_files(), *(rules or ())], kb.facts_text(readable=False), tabled)
+    opened = [_open(scene, region, rules) for scene in scenes]
+    grounded = [(kb.facts, [(view.id, view.label) for view in kb.scene.views]) for kb in opened]
+    exec_shell([*theory_files(), *opened[0].rule_files], grounded, opened[0].tabled)
 
 
 @app.command(name="import")
