@@ -106,7 +106,8 @@ derive(Mode, Goal, M, Above, Node) :-
 
 derive(negation(Inner), Mode, _, M, _, node(negation, \+ Inner, Margin, none, Near)) :-
     (   Mode == holds
-    ->  \+ call(M:Inner)
+    ->  without_marks(Inner, Plain),
+        \+ call(M:Plain)
     ;   true
     ),
     (   nearest_miss(M:Inner, Miss)
@@ -127,7 +128,8 @@ derive(fact(Def), _, Goal, _, _, Node) :-
 derive(rule(Def), Mode, Goal, _, Above, node(rule, Goal, Margin, Clause, Children)) :-
     (   Mode == holds,
         predicate_property(Def:Goal, tabled)
-    ->  call(Def:Goal)                          % so that no proof stops at a goal like itself
+    ->  without_marks(Goal, Plain),             % so that no proof stops at a goal like itself
+        call(Def:Plain)
     ;   true
     ),
     \+ ( member(Seen, Above), Seen =@= Goal ),
@@ -184,6 +186,15 @@ recall(Goal, Def, node(fact, Plain, inf, none, [])) :-
 copy_unmarked(Goal, Plain) :-
     Goal =.. [Name|Args],
     maplist(unmarked, Args, PlainArgs),
+    Plain =.. [Name|PlainArgs].
+
+%   without_marks(+Goal, -Plain): Goal as Prolog can call it, with the same variables.
+
+without_marks(Goal, Goal) :- \+ compound(Goal), !.
+without_marks(no_length(N), N) :- !.
+without_marks(Goal, Plain) :-
+    Goal =.. [Name|Args],
+    maplist(without_marks, Args, PlainArgs),
     Plain =.. [Name|PlainArgs].
 
 unmarked(Arg, _) :- var(Arg), !.

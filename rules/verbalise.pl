@@ -74,6 +74,7 @@ item_text(no, v(_, No), No) :- !.
 item_text(_, metres(N), Text) :- !, length_text(N, Text).
 item_text(_, cubic_metres(N), Text) :- !, volume_text(N, Text).
 item_text(_, view(V), Text) :- !, view_text(V, Text).
+item_text(_, name(X), Text) :- !, ( var(X) -> Text = "something" ; Text = X ).
 item_text(_, Word, Word).
 
 the(X, "something") :- var(X), !.
@@ -136,6 +137,11 @@ volume_text(N, Text) :-
 negation_text((Goal, Other \== Exception), Text) :-
     var(Other),
     no_other(Goal, Exception, Template),
+    !,
+    goal_text_items(Template, yes, Text).
+negation_text(Goal, Text) :-
+    term_variables(Goal, [_|_]),
+    none(Goal, Template),
     !,
     goal_text_items(Template, yes, Text).
 negation_text(Goal, Text) :-
@@ -327,6 +333,7 @@ shown(node(Kind, Goal, _, _, Children), _) :-
 
 silent_node(node(Kind, Goal, _, _, _)) :- silent(Kind, Goal).
 
+silent(negation, \+ ( label(_, _, _), _ > _ )).
 silent(fact, threshold(_, _)).
 silent(fact, viewpoint(_)).
 silent(fact, pair(_, _, _, _, _, _, _, _, _)).

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from deixis.knowledge import KnowledgeBase, theory_files
+from deixis._files import theory_files
+from deixis.knowledge import KnowledgeBase
 from deixis.prolog import PrologEngine
 from deixis.scene import Scene
 from deixis.vocabulary import BASE, RELATIONS

@@ -11,7 +11,7 @@ from deixis.counterfactual import FURTHEST, Change, moved
 from deixis.errors import GeometryError, QueryError, SceneError
 from deixis.grounding import ground
 from deixis.knowledge import KnowledgeBase
-from deixis.relation import Relation
+from deixis.relations import Relation
 from deixis.scene import Scene
 from scenes import box, scene
 

@@ -20,9 +20,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from commands import call, run
+from deixis._files import datalog_files, theory_files
 from deixis.errors import GeometryError, QueryError, QueryTimeout, RuleError
 from deixis.facts import Facts
-from deixis.knowledge import KnowledgeBase, datalog_files, theory_files
+from deixis.knowledge import KnowledgeBase
 from deixis.prolog import Atom, PrologEngine, facts_text
 from deixis.prolog.quote import atom
 from deixis.rdf import SparqlExecutor

@@ -10,8 +10,9 @@ import pytest
 
 import deixis
 from deixis import KnowledgeBase, Scene
+from deixis._files import theory_files
 from deixis.errors import DeixisError, EngineError, QueryError, QueryTimeout, RuleError, SceneError
-from deixis.knowledge import Relation, theory_files
+from deixis.relations import Relation
 from deixis.vocabulary import BASE, RELATIONS
 from scenes import ROBOT, box, floor, scene, wall
 

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from commands import call
+from deixis._files import datalog_files, theory_files
 from deixis.errors import RuleError
-from deixis.knowledge import datalog_files, theory_files
 from deixis.ruleset import Ruleset, assemble, examine, load, read_file, read_text, shown
 from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.clauses import LONGEST_CLAUSE, MOST_CHARACTERS

@@ -1,6 +1,7 @@
 :- module(en,
           [ sentence/2,                 % ?Goal, ?Template
             no_other/3,                 % ?Goal, ?Exception, ?Template
+            none/2,                     % ?Goal, ?Template
             hindered/2,                 % ?What, ?Template
             space/3,                    % ?Axis, ?View, ?Words
             connective/2                % ?Name, ?Words
@@ -10,9 +11,9 @@
 
 /** <module> English
 
-One template for each predicate. In a template the(X) names an object, view(V) says whose view it is,
-metres(N) a length, is and v(Yes, No) are the verb, which negation turns round; anything else stands for
-itself. Another language is another file with the same predicates.
+One template for each predicate. In a template the(X) names an object, name(X) is a name as it stands,
+view(V) says whose view it is, metres(N) a length, is and v(Yes, No) are the verb, which negation turns round;
+anything else stands for itself. Another language is another file with the same predicates.
 */
 
 %!  sentence(?Goal, ?Template) is nondet.
@@ -77,11 +78,53 @@ sentence(inside(A, B), [the(A), is, 'inside', the(B)]).
 sentence(near(A, B), [the(A), is, 'near', the(B)]).
 sentence(label(O, Name, _), [the(O), is, 'recognised as', Name]).
 
+%   support.pl
+
+sentence(held_by(A, B), [the(A), is, 'held up by', the(B)]).
+sentence(supported_by(A, B), [the(A), is, 'supported by', the(B)]).
+sentence(supports(A, B), [the(A), v(supports, 'does not support'), the(B)]).
+
+%   background.pl
+
+sentence(kind_of(Name, Kind), [name(Name), is, 'a kind of', name(Kind)]).
+sentence(a_kind_of(Name, Kind), [name(Name), is, 'a kind of', name(Kind)]).
+sentence(made_of(Kind, Material), [name(Kind), is, 'made of', name(Material)]).
+sentence(burns(Material), [name(Material), v(burns, 'does not burn')]).
+sentence(heats(Kind), ['a', name(Kind), v('gives off', 'gives off no'), 'heat']).
+sentence(needs_near(Kind, Other), ['a', name(Kind), v('must have', 'need not have'), 'a', name(Other), 'near']).
+
+%   safety.pl
+
+sentence(recognised_as(T, Name), [the(T), is, 'best recognised as', name(Name)]).
+sentence(is_a(T, Kind), [the(T), v('counts as', 'does not count as'), name(Kind)]).
+sentence(burnable(T, Material), [the(T), is, 'made of', name(Material), 'which burns']).
+sentence(hot(T), [the(T), v('gives off', 'gives off no'), 'heat']).
+sentence(in_contact(A, B), [the(A), is, 'in contact with', the(B)]).
+sentence(on_wall(T, Wall), [the(T), v('hangs on', 'does not hang on'), the(Wall)]).
+sentence(has_near(T, _, Other), [the(T), v(has, 'does not have'), the(Other), 'near']).
+sentence(leans_against(T, Door), [the(T), v('leans against', 'does not lean against'), the(Door)]).
+sentence(in_area(T, Area), [the(T), is, 'in', the(Area)]).
+sentence(violation(extinguisher_off_wall, T), [the(T), v('must hang on a wall', 'hangs on a wall as it must')]).
+sentence(violation(extinguisher_without_sign, T), [the(T), v('must have its sign near', 'has its sign near as it must')]).
+sentence(violation(fire_hazard, T, Heater), [the(T), v('is a fire hazard', 'is no fire hazard'), 'on or against', the(Heater)]).
+sentence(violation(fire_door_leant_on, T, Door), [the(T), v('must not lean on', 'does not lean on'), the(Door)]).
+sentence(violation(heater_in_free_area, T, Area), [the(T), v('must not be in', 'is not in'), the(Area)]).
+sentence(violation(Rule, T), [the(T), v(breaks, 'does not break'), 'the rule', name(Rule)]).
+sentence(violation(Rule, T, Other), [the(T), v(breaks, 'does not break'), 'the rule', name(Rule), 'because of', the(Other)]).
+
 %!  no_other(?Goal, ?Exception, ?Template) is nondet.
 %
 %   Template says that Goal holds of nothing other than Exception.
 
 no_other(touches(_, F), R, ['nothing other than', the(R), 'touches', the(F)]).
+
+%!  none(?Goal, ?Template) is nondet.
+%
+%   Template says that there is nothing of which Goal holds.
+
+none(on_wall(T, _), ['no wall holds', the(T)]).
+none(has_near(T, Kind, _), ['no', name(Kind), 'is near', the(T)]).
+none((label(T, _, _), _ > _), ['no label of', the(T), 'scores higher']).
 
 %!  hindered(?What, ?Template) is nondet.
 %

@@ -50,3 +50,15 @@ def _find(name: str, package: Path) -> Path:
         if place.is_dir():
             return place
     raise RuleError(f"no {name}/ at {packaged} or {checkout}: reinstall deixis, or use a whole checkout")
+
+
+def theory_files() -> tuple[Path, ...]:
+    """Return the rule files of the theory, in loading order."""
+    rules = rules_dir()
+    names = ("facts", "topology", "direction", "commonsense", "axioms", "verbalise", "explain")
+    return tuple(rules / f"{name}.pl" for name in names)
+
+
+def datalog_files() -> tuple[Path, ...]:
+    """Return the rule files of the theory that are in the subset every engine runs, in loading order."""
+    return tuple(rules_dir() / f"{name}.pl" for name in ("facts", "topology", "direction", "commonsense"))

@@ -7,8 +7,9 @@ which knows of the others.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -19,13 +20,14 @@ from deixis.errors import GeometryError, QueryError, SceneError
 from deixis.facts import Facts, ViewFacts
 from deixis.frames import WORLD, Array, Index, Mask, bearing
 from deixis.grounding import frame, measure_pairs, meets_halfspaces, view_facts
+from deixis.hints import hint
 from deixis.regions import shifted
 from deixis.regrounding import reground
 from deixis.scene import Scene
 from deixis.strict_json import quoted
 
 if TYPE_CHECKING:
-    from deixis.ruleset import Indicator, Ruleset
+    from deixis.ruleset import Indicator
     from deixis.sql import SqlExecutor
 
 Row = tuple[str, ...]
@@ -99,7 +101,41 @@ def moved(scene: Scene, offsets: Mapping[str, ArrayLike]) -> Scene:
     return replace(scene, objects=tuple(things))
 
 
-def smallest_change(scene: Scene, facts: Facts, ruleset: Ruleset, goal: Row) -> Change | None:
+def named_fact(goal: str, known: Sequence[str], predicates: Callable[[str], Sequence[Indicator]]) -> Row:
+    """Return a goal's predicate and arguments, all of them known names.
+
+    Parameters
+    ----------
+    goal : str
+        Such as ``on_top_of(cup, table)``.
+    known : sequence of str
+        Ids of things and views.
+    predicates : callable
+        From a name to the predicates it stands for; refuses other names.
+
+    Raises
+    ------
+    QueryError
+        It is not one predicate of known names.
+    """
+    from deixis.ruleset import read_text
+    from deixis.ruleset.model import Constant
+
+    file, problems = read_text(f"{goal.strip().removesuffix('.')} .", Path("goal"))
+    args = [one for rule in file.rules for one in rule.head.args]
+    names = [str(one.value) for one in args if isinstance(one, Constant) and one.kind != "number"]
+    if problems or len(file.rules) != 1 or file.rules[0].body or len(names) != len(args):
+        raise QueryError(f"{goal!r} is not one relation of named things, such as on_top_of(cup, table)")
+    head = file.rules[0].head
+    if head.predicate not in predicates(head.name):
+        raise QueryError(f"{head.name} does not take {len(args)} arguments")
+    for name in names:
+        if name not in known:
+            raise QueryError(f"nothing is called {name!r}{hint(name, known)}")
+    return (head.name, *names)
+
+
+def smallest_change(scene: Scene, facts: Facts, executor: SqlExecutor, goal: Row) -> Change | None:
     """Return the smallest translation found of a goal's figure that makes it true or, if it is, false.
 
     Tried are the directions of the world, of the boxes and views concerned, and of the contacts of the
@@ -111,7 +147,8 @@ def smallest_change(scene: Scene, facts: Facts, ruleset: Ruleset, goal: Row) -> 
     scene : Scene
     facts : Facts
         Of the scene.
-    ruleset : Ruleset
+    executor : SqlExecutor
+        Of the rules.
     goal : tuple of str
         A predicate's name, then its arguments: names all of them.
 
@@ -127,26 +164,23 @@ def smallest_change(scene: Scene, facts: Facts, ruleset: Ruleset, goal: Row) -> 
     QueryError
         The goal's figure is a surface, or none of its arguments is a thing.
     """
-    from deixis.sql import SqlExecutor
-
     if facts.region != "box":
         raise GeometryError("the smallest change is looked for with boxes only: use the region model box")
     figure = _figure(scene, goal)
-    with SqlExecutor(ruleset) as executor:
-        asked = _Asked(scene, facts, executor, goal, figure)
-        now = asked.here()
-        ways = _ways(scene, facts, goal, figure)
-        brackets = _first_changes(asked, ways, [_STEPS] * len(ways), now)
-        while brackets and max(high - low for _, low, high in brackets) > _FINEST:
-            nearest = sorted(brackets, key=lambda one: one[2])[:_KEPT]
-            finer = [np.linspace(low, high, _FINER + 1)[1:] for _, low, high in nearest]
-            brackets = _first_changes(asked, np.array([way for way, _, _ in nearest]), finer, now)
-        for way, _, high in sorted(brackets, key=lambda one: one[2]):
-            for distance in (high, high + _FINEST):
-                offset = np.round(way * distance, 6)
-                if asked.at(offset) != now and asked.at(0.9 * offset) == now:
-                    x, y, z = (float(one) + 0.0 for one in offset)
-                    return Change(figure, (x, y, z), float(np.linalg.norm(offset)), not now)
+    asked = _Asked(scene, facts, executor, goal, figure)
+    now = asked.here()
+    ways = _ways(scene, facts, goal, figure)
+    brackets = _first_changes(asked, ways, [_STEPS] * len(ways), now)
+    while brackets and max(high - low for _, low, high in brackets) > _FINEST:
+        nearest = sorted(brackets, key=lambda one: one[2])[:_KEPT]
+        finer = [np.linspace(low, high, _FINER + 1)[1:] for _, low, high in nearest]
+        brackets = _first_changes(asked, np.array([way for way, _, _ in nearest]), finer, now)
+    for way, _, high in sorted(brackets, key=lambda one: one[2]):
+        for distance in (high, high + _FINEST):
+            offset = np.round(way * distance, 6)
+            if asked.at(offset) != now and asked.at(0.9 * offset) == now:
+                x, y, z = (float(one) + 0.0 for one in offset)
+                return Change(figure, (x, y, z), float(np.linalg.norm(offset)), not now)
     return None
 
 

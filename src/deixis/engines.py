@@ -6,10 +6,14 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
+from deixis.errors import QueryError
+from deixis.hints import hint
+from deixis.vocabulary import BASE, RELATIONS
+
 if TYPE_CHECKING:
     from deixis.facts import Facts
     from deixis.prolog import PrologEngine
-    from deixis.ruleset import Indicator
+    from deixis.ruleset import Indicator, Ruleset
     from deixis.sql import SqlExecutor
 
 Engine = Literal["duckdb", "prolog", "sparql"]
@@ -74,3 +78,28 @@ def by_sparql(
         raise EngineError("the SPARQL and the SQL executor disagree: report the scene and the rules")
     for predicate, row in found:
         yield predicate, row, margins[predicate, row]
+
+
+def predicates(name: str, ruleset: Ruleset | None) -> list[Indicator]:
+    """Return the predicates that a relation's name stands for, those of one's own rules among them.
+
+    Raises
+    ------
+    QueryError
+        There is none, or one of its arguments is no name.
+    """
+    known = {term.name: term.arity for term in (*BASE, *RELATIONS)}
+    if name in known:
+        return [(name, known[name])]
+    own = {} if ruleset is None else {one: ruleset.kinds[one] for one in ruleset.user}
+    listed = {one: kinds for one, kinds in own.items() if one[1] in (2, 3)}
+    found = [one for one in sorted(listed) if one[0] == name]
+    if not found:
+        raise QueryError(f"no relation {name!r}{hint(name, [*known, *sorted(n for n, _ in listed)])}")
+    for predicate in found:
+        if set(listed[predicate]) != {"name"}:
+            raise QueryError(
+                f"{name}/{predicate[1]} is no relation of things: one of its arguments is no name; "
+                f"ask for it as a goal"
+            )
+    return found

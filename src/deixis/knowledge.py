@@ -2,34 +2,34 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import threading
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from deixis._files import rules_dir
+from deixis._files import datalog_files, theory_files
 from deixis.errors import QueryError
 from deixis.facts import Facts, RegionModel, SolidModel, region_model
+from deixis.frames import WORLD
 from deixis.grounding import ground
+from deixis.hints import hint
 from deixis.regions import BoxRegion
-from deixis.relation import Relation, Withheld
+from deixis.relations import Relation, Withheld, in_order, rounded
 from deixis.scene import Scene
-from deixis.thresholds import SNAP_DECIMALS
-from deixis.vocabulary import BASE, RELATIONS
+from deixis.vocabulary import RELATIONS
 
 if TYPE_CHECKING:
     from deixis.counterfactual import Change
     from deixis.engines import Engine, Found
     from deixis.explain import Answer
+    from deixis.inspection import Inspection
     from deixis.prolog import Answers, PrologEngine
     from deixis.ruleset import Indicator, Ruleset
     from deixis.sql import SqlExecutor
-
-_ORDER = {term.name: position for position, term in enumerate((*BASE, *RELATIONS))}
 
 
 class KnowledgeBase:
@@ -43,7 +43,8 @@ class KnowledgeBase:
     scene : Scene
     rules : sequence of path
         Rule files of the user's own, in the subset that ``deixis rules check`` checks, loaded after the
-        theory's. They are checked before any engine sees them.
+        theory's, or names of shipped ones: ``support``, ``background``, ``safety``. What they import with
+        ``use_module`` is loaded too. They are checked before any engine sees them.
     region : "box", "hull" or "mesh"
         What things are measured as: their boxes, convex hulls, or meshes where they have one (decision 0017).
 
@@ -60,7 +61,7 @@ class KnowledgeBase:
     ) -> None:
         self.scene = scene
         self.region = region_model(region)
-        self._rules = tuple(Path(path) for path in rules)
+        self._rules = tuple(rules)
         self._engine: PrologEngine | None = None
         self._starting = threading.Lock()
 
@@ -142,7 +143,20 @@ class KnowledgeBase:
         """
         from deixis.ruleset import load
 
-        return load(datalog_files(), self._rules)
+        return load(datalog_files(), self.rule_files)
+
+    @cached_property
+    def rule_files(self) -> tuple[Path, ...]:
+        """Return the user's rule files, each after those it imports.
+
+        Raises
+        ------
+        RuleError
+            One does not exist.
+        """
+        from deixis.ruleset import locate
+
+        return locate(self._rules, datalog_files()) if self._rules else ()
 
     @property
     def tabled(self) -> list[Indicator]:
@@ -157,7 +171,7 @@ class KnowledgeBase:
                 from deixis.prolog import PrologEngine
 
                 # Starting does not wait: Prolog comes up while the geometry is grounded.
-                engine = PrologEngine([*theory_files(), *self._rules], tabled=self.tabled)
+                engine = PrologEngine([*theory_files(), *self.rule_files], tabled=self.tabled)
                 try:
                     engine.load(self.facts_text(readable=False))
                 except BaseException:
@@ -203,21 +217,11 @@ class KnowledgeBase:
         if view is not None:
             self.check_view(view)
         found = [
-            Relation(name, row[0], row[1], row[2] if arity == 3 else None, _rounded(margin))
+            Relation(name, row[0], row[1], row[2] if arity == 3 else None, rounded(margin))
             for (name, arity), row, margin in self._derive(engine, wanted, timeout)
             if view is None or arity == 2 or row[2] == view
         ]
-        last = len(_ORDER)
-        found.sort(
-            key=lambda one: (
-                _ORDER.get(one.relation, last),
-                one.relation,
-                one.figure,
-                one.reference,
-                one.view or "",
-            )
-        )
-        return tuple(found)
+        return in_order(found)
 
     def _derive(self, engine: Engine, wanted: Sequence[Indicator], timeout: float) -> Iterable[Found]:
         from deixis import engines
@@ -236,21 +240,9 @@ class KnowledgeBase:
 
     def _predicates(self, name: str) -> list[Indicator]:
         """Return the predicates that a relation's name stands for."""
-        known = {term.name: term.arity for term in (*BASE, *RELATIONS)}
-        if name in known:
-            return [(name, known[name])]
-        own = self.ruleset.user if self._rules else frozenset()
-        listed = {one: self.ruleset.kinds[one] for one in own if one[1] in (2, 3)}
-        found = [one for one in sorted(listed) if one[0] == name]
-        if not found:
-            raise QueryError(f"no relation {name!r}{_hint(name, [*known, *sorted(n for n, _ in listed)])}")
-        for predicate in found:
-            if set(listed[predicate]) != {"name"}:
-                raise QueryError(
-                    f"{name}/{predicate[1]} is no relation of things: one of its arguments is no name; "
-                    f"ask for it as a goal"
-                )
-        return found
+        from deixis.engines import predicates
+
+        return predicates(name, self.ruleset if self._rules else None)
 
     def ask(self, goal: str, *, limit: int | None = None, timeout: float = 10.0) -> Answers:
         """Return the answers to a Prolog goal such as ``on_top_of(X, table)``.
@@ -281,8 +273,80 @@ class KnowledgeBase:
         if "unknown" in reply:
             known = [*self.facts.ids, *(view.id for view in self.scene.views)]
             name = reply["unknown"]
-            raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{_hint(name, known)}")
+            raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{hint(name, known)}")
         return Answer.from_dict({**reply, "measured_as": self.measured_as})
+
+    def check(
+        self,
+        *,
+        view: str | None = None,
+        engine: Engine = "duckdb",
+        reasons: bool = True,
+        timeout: float = 60.0,
+    ) -> Inspection:
+        """Return which rules the scene breaks, by the rule files given, else by those of safety.
+
+        A rule file states a breach as ``violation(name_of_the_rule, Thing) :- ...`` or with a third argument
+        for another thing that is needed to see why; see ``rules/safety.pl``.
+
+        Parameters
+        ----------
+        view : str, optional
+            Look from this view only.
+        engine : {"duckdb", "prolog", "sparql"}
+            What derives the breaches; the answer is the same.
+        reasons : bool
+            Whether to give each breach a sentence and a proof, which needs SWI-Prolog.
+        timeout : float
+            Seconds, for deriving the breaches and again for the reasons of each.
+
+        Raises
+        ------
+        QueryError
+            The scene has no such view.
+        QueryTimeout
+            It took longer than ``timeout``.
+        RuleError
+            Something is wrong with a rule file, or none states a violation.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     print(kb.check().violations[-1].text)
+        the sweater is a fire hazard on or against the electric heater
+        """
+        from deixis.inspection import Inspection, Violation, stated
+        from deixis.inspection import in_order as breaches_in_order
+        from deixis.prolog.quote import term
+        from deixis.prolog.terms import Atom, Compound
+        from deixis.ruleset import VIOLATIONS
+
+        if view is not None or not self._rules:
+            with self._variant(view) as variant:
+                found = variant.check(engine=engine, reasons=reasons, timeout=timeout)
+            return replace(found, view=view)
+        checked = stated(self.ruleset)
+        wanted = sorted(VIOLATIONS & self.ruleset.user)
+        violations = []
+        for (name, _), row, margin in breaches_in_order(self._derive(engine, wanted, timeout), checked):
+            text, proof = f"{name}({', '.join(row)})", None
+            if reasons:
+                proof = self.why(term(Compound(name, tuple(map(Atom, row)))), timeout=timeout).proof
+                text = text if proof is None else proof.text
+            violations.append(Violation(row[0], row[1:], rounded(margin), text, proof))
+        return Inspection(self.scene.id, None, checked, len(self.scene.objects), tuple(violations))
+
+    def _variant(self, view: str | None) -> KnowledgeBase:
+        """Return the same scene as seen from one view or all, with the rules given or those of safety."""
+        scene, facts = self.scene, self.facts
+        if view is not None:
+            self.check_view(view)
+            scene = replace(scene, views=tuple(one for one in scene.views if one.id == view))
+            facts = replace(facts, views=tuple(one for one in facts.views if one.view in (WORLD, view)))
+        variant = KnowledgeBase(scene, rules=self._rules or ("safety",), region=self.region)
+        variant.facts = facts
+        return variant
 
     def change(self, goal: str) -> Change | None:
         """Return the smallest translation found of a goal's figure that makes it true or, if it is, false.
@@ -305,10 +369,11 @@ class KnowledgeBase:
         >>> found.thing, [round(metres, 3) for metres in found.offset], found.holds
         ('sweater', [0.0, 0.0, 0.02], False)
         """
-        from deixis.counterfactual import smallest_change
+        from deixis.counterfactual import named_fact, smallest_change
 
-        name, *args = self._fact(goal)
-        return smallest_change(self.scene, self.facts, self.ruleset, (name, *args))
+        known = [*self.facts.ids, *(view.id for view in self.scene.views)]
+        fact = named_fact(goal, known, self._predicates)
+        return smallest_change(self.scene, self.facts, self._sql, fact)
 
     def what_if(self, moves: Mapping[str, Sequence[float]]) -> KnowledgeBase:
         """Return the knowledge base of the scene in which some things are moved by x, y, z metres.
@@ -318,9 +383,8 @@ class KnowledgeBase:
         >>> from deixis._files import kb_dir
         >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
         ...     after = kb.what_if({"sweater": (0.0, 0.0, 0.1)})
-        >>> lost = set(kb.relations(relation=["on_top_of"])) - set(after.relations(relation=["on_top_of"]))
-        >>> [one.to_prolog() for one in lost]
-        ["on_top_of('sweater','heater')"]
+        >>> [one.reference for one in after.relations(relation=["on_top_of"]) if one.figure == "sweater"]
+        []
         """
         from deixis.counterfactual import moved
         from deixis.regrounding import reground
@@ -329,52 +393,8 @@ class KnowledgeBase:
         after.__dict__["facts"] = reground(self.scene, self.facts, after.scene)
         return after
 
-    def _fact(self, goal: str) -> tuple[str, ...]:
-        """Return a ground goal as its predicate and its arguments, all of them known."""
-        from deixis.ruleset import read_text
-        from deixis.ruleset.model import Constant
-
-        file, problems = read_text(f"{goal.strip().removesuffix('.')} .", Path("goal"))
-        args = [one for rule in file.rules for one in rule.head.args]
-        names = [str(one.value) for one in args if isinstance(one, Constant) and one.kind != "number"]
-        if problems or len(file.rules) != 1 or file.rules[0].body or len(names) != len(args):
-            raise QueryError(f"{goal!r} is not one relation of named things, such as on_top_of(cup, table)")
-        head = file.rules[0].head
-        if head.predicate not in self._predicates(head.name):
-            raise QueryError(f"{head.name} does not take {len(args)} arguments")
-        known = [*self.facts.ids, *(view.id for view in self.scene.views)]
-        for name in names:
-            if name not in known:
-                raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{_hint(name, known)}")
-        return (head.name, *names)
-
     def check_view(self, view: str) -> None:
         """Raise :class:`QueryError` unless the scene has this view."""
         known = [one.id for one in self.scene.views]
         if view not in known:
-            raise QueryError(f"no view {view!r} in scene {self.scene.id!r}{_hint(view, known)}")
-
-
-def theory_files() -> tuple[Path, ...]:
-    """Return the rule files of the theory, in loading order."""
-    rules = rules_dir()
-    names = ("facts", "topology", "direction", "commonsense", "axioms", "verbalise", "explain")
-    return tuple(rules / f"{name}.pl" for name in names)
-
-
-def datalog_files() -> tuple[Path, ...]:
-    """Return the rule files of the theory that are in the subset every engine runs, in loading order."""
-    return tuple(rules_dir() / f"{name}.pl" for name in ("facts", "topology", "direction", "commonsense"))
-
-
-def _rounded(margin: float | None) -> float | None:
-    """Return a margin to a nanometre, as lengths are measured: differences carry rounding noise."""
-    return None if margin is None else round(margin, SNAP_DECIMALS) + 0.0
-
-
-def _hint(name: str, known: Sequence[str]) -> str:
-    """Say what may have been meant."""
-    if not known:
-        return ": there are none"
-    close = difflib.get_close_matches(name, known, n=1)
-    return f": did you mean {close[0]!r}?" if close else f": known are {', '.join(known)}"
+            raise QueryError(f"no view {view!r} in scene {self.scene.id!r}{hint(view, known)}")

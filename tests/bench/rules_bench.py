@@ -23,9 +23,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bench.job import room, scattered
+from deixis._files import datalog_files, theory_files
 from deixis.facts import Facts
 from deixis.grounding import ground
-from deixis.knowledge import datalog_files, theory_files
 from deixis.ruleset import Indicator, Ruleset, load
 from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.columns import Symbols, base_columns

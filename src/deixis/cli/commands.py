@@ -50,7 +50,12 @@ RegionOption = Annotated[
 Seconds = Annotated[float, typer.Option("--timeout", min=0.001, help="Seconds before giving up.")]
 
 RuleFiles = Annotated[
-    list[Path] | None, typer.Option("--rules", metavar="FILE", help="Your own rules; may be repeated.")
+    list[Path] | None,
+    typer.Option(
+        "--rules",
+        metavar="FILE",
+        help="Your own rules, or a shipped file by its name: support, background, safety; may be repeated.",
+    ),
 ]
 
 RELATION_COLUMNS = ("relation", "figure", "reference", "view", "margin")
@@ -188,22 +193,28 @@ def ask(
     timeout: Seconds = 10.0,
     rules: RuleFiles = None,
 ) -> None:
-    """Answer a question; exit code 0 when there is an answer, 1 when there is none."""
-    from deixis.prolog import Variable, term_json, term_text
+    """Answer a question.
+
+    Exit codes: 0 there is an answer, 1 there is none, 2 the question is wrong, 3 it took too long. Answers
+    cut short by --limit say so: on stderr, and as "truncated" in JSON, where "timed_out" tells of a time-out.
+    """
+    from deixis.errors import QueryTimeout
+    from deixis.prolog import Answers, Variable, term_json, term_text
+
+    def as_json(answers: Answers, *, timed_out: bool = False) -> None:
+        rows = [{name: term_json(value) for name, value in row.items()} for row in answers.bindings]
+        told = {"truncated": answers.truncated, "timed_out": timed_out, "output": answers.output}
+        write_json({"goal": goal, "answers": rows, **told})
 
     with _open(scene, region, rules) as kb:
-        answers = kb.ask(goal, limit=limit, timeout=timeout)
+        try:
+            answers = kb.ask(goal, limit=limit, timeout=timeout)
+        except QueryTimeout:
+            if output is TextOrJson.JSON:
+                as_json(Answers((), truncated=True), timed_out=True)
+            raise
     if output is TextOrJson.JSON:
-        write_json(
-            {
-                "goal": goal,
-                "answers": [
-                    {name: term_json(value) for name, value in row.items()} for row in answers.bindings
-                ],
-                "truncated": answers.truncated,
-                "output": answers.output,
-            }
-        )
+        as_json(answers)
     else:
         if answers.output:
             print(printable_lines(answers.output.removesuffix("\n")))
@@ -241,14 +252,55 @@ def why(
 
 
 @app.command()
-def shell(scene: ScenePath, region: RegionOption = Region.BOX, rules: RuleFiles = None) -> None:
-    """Open SWI-Prolog with a scene and the rules loaded."""
-    from deixis.knowledge import theory_files
+def check(
+    scene: ScenePath,
+    rules: RuleFiles = None,
+    view: Annotated[str | None, typer.Option(help="Look from this view only.")] = None,
+    region: RegionOption = Region.BOX,
+    engine: Annotated[
+        EngineName, typer.Option(help="What derives the violations; all give the same.")
+    ] = EngineName.DUCKDB,
+    output: Annotated[TextOrJson, typer.Option("--format", help="How to print them.")] = TextOrJson.TEXT,
+    brief: Annotated[bool, typer.Option("--brief", help="Without reasons: needs no SWI-Prolog.")] = False,
+    timeout: Seconds = 60.0,
+) -> None:
+    """List what breaks the rules of safety, or your own, each with its reasons.
+
+    Without --rules it checks the shipped rules of safety. Exit codes: 0 no violation, 1 there are violations,
+    2 error, 3 time-out.
+    """
+    with _open(scene, region, rules) as kb:
+        found = kb.check(view=view, engine=engine.value, reasons=not brief, timeout=timeout)
+    if output is TextOrJson.JSON:
+        write_json(found.to_dict())
+    else:
+        says = {one.rule: one.says for one in found.checked}
+        for one in found.violations:
+            print(printable(": ".join(filter(None, (one.rule, says[one.rule])))))
+            told = one.text if one.proof is None else one.proof.outline()
+            print(printable_lines("\n".join(f"  {line}" for line in told.split("\n"))), end="\n\n")
+        print(found.summary())
+    if not found.passed:
+        raise typer.Exit(1)
+
+
+@app.command()
+def shell(
+    scenes: Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files.")],
+    region: RegionOption = Region.BOX,
+    rules: RuleFiles = None,
+) -> None:
+    """Open SWI-Prolog with scenes and the rules loaded.
+
+    At its prompt also: objects, axioms, help(on_top_of), why(GOAL), why_not(GOAL), view(V). With several
+    scenes each id has the id of its scene and _ in front: cup of the scene hall is hall_cup.
+    """
+    from deixis._files import theory_files
     from deixis.prolog.shell import exec_shell
 
-    kb = _open(scene, region, rules)
-    tabled = kb.tabled
-    exec_shell([*theory_files(), *(rules or ())], kb.facts_text(readable=False), tabled)
+    opened = [_open(scene, region, rules) for scene in scenes]
+    grounded = [(kb.facts, [(view.id, view.label) for view in kb.scene.views]) for kb in opened]
+    exec_shell([*theory_files(), *opened[0].rule_files], grounded, opened[0].tabled)
 
 
 @app.command(name="import")

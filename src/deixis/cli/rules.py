@@ -111,12 +111,12 @@ def _spoken(ruleset: Ruleset) -> list[Indicator]:
 
 
 def _split(files: Sequence[Path]) -> tuple[list[Path], list[Path]]:
-    """Return the theory's files and the user's; a file of the theory may be named too."""
-    from deixis.knowledge import datalog_files
+    """Return the theory's files and the user's with what they import; a theory's file may be named too."""
+    from deixis._files import datalog_files
+    from deixis.ruleset import locate
 
     theory = list(datalog_files())
-    known = {path.resolve() for path in theory}
-    return theory, [path for path in files if path.resolve() not in known]
+    return theory, list(locate(files, theory))
 
 
 def _load(files: Sequence[Path]) -> Ruleset:

@@ -25,6 +25,9 @@ remember_vocabulary :-
     forall(( current_predicate(question:Name/Arity),
              \+ sub_atom(Name, 0, _, _, $),
              functor(Head, Name, Arity),
+             \+ ( predicate_property(question:Head, multifile),
+                  \+ predicate_property(question:Head, number_of_clauses(_))
+                ),
              \+ ( predicate_property(question:Head, imported_from(Module)),
                   \+ module_property(Module, class(user))
                 )

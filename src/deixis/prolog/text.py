@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Final
 
 import numpy as np
@@ -14,11 +15,14 @@ import numpy as np
 from deixis.errors import GeometryError
 from deixis.facts import Facts, ViewFacts
 from deixis.frames import WORLD, Array, Index
-from deixis.prolog.quote import atom, number
+from deixis.prolog.quote import atom, id_atom, number
 from deixis.thresholds import SNAP_DECIMALS
 
 _HORIZONTAL_AXES: Final = ("X+", "X-", "Y+", "Y-")
 _VERTICAL_AXES: Final = ("Z+", "Z-")
+_LIST: Final = 10_000
+"""Facts in one list, where there are several."""
+
 _UNITS: Final = 10.0**SNAP_DECIMALS
 _MOST_UNITS: Final = 2.0**52
 """Up to here a float64 counts nanometres exactly."""
@@ -54,24 +58,47 @@ def facts_text(facts: Facts, views: Sequence[tuple[str, str]] = (), *, readable:
     >>> print(facts_text(facts, [("v0", "robot")], readable=True).splitlines()[-1])
     view_label('v0','robot').
     """
-    table = _Table(facts, [atom(name) for name in facts.ids], readable)
-    chunks: list[str] = []
-    for name, is_surface, ranked in zip(table.ids, facts.surface.tolist(), facts.labels, strict=True):
-        chunks.append(f"spatial_obj({name})")
-        if is_surface:
-            chunks.append(f"surface({name})")
-        chunks += [f"label({name},{atom(label)},{number(float(score))})" for label, score in ranked]
-    chunks += [f"measured_as({name},{model})" for name, model in zip(table.ids, facts.models, strict=True)]
-    chunks += [f"viewpoint({atom(view.view)})" for view in facts.views if view.view != WORLD]
-    chunks += [f"view_label({atom(view)},{atom(label)})" for view, label in views]
-    chunks += [f"threshold({atom(name)},{number(value)})" for name, value in facts.thresholds.items()]
-    chunks += table.pairs()
-    for seen in facts.views:
-        chunks += table.aspects(seen)
+    chunks = _facts(facts, views, readable=readable)
     if readable:
-        chunks.sort(key=lambda chunk: chunk.partition("(")[0])
-        return "".join(f"{chunk}.\n" for chunk in chunks)
+        return "".join(f"{one}.\n" for one in sorted(chunks, key=lambda one: one.partition("(")[0]))
     return f"[{','.join(chunks)}]"
+
+
+def facts_lists(
+    facts: Facts, views: Sequence[tuple[str, str]] = (), *, thresholds: bool = True
+) -> Iterator[str]:
+    """Yield all base facts of a scene as Prolog lists of at most 10,000: so reading them takes little memory.
+
+    Parameters
+    ----------
+    facts, views
+        As for :func:`facts_text`, and with the same errors.
+    thresholds : bool
+        Whether the thresholds are among them.
+    """
+    chunks = _facts(facts, views, thresholds=thresholds)
+    while part := list(islice(chunks, _LIST)):
+        yield f"[{','.join(part)}]"
+
+
+def _facts(
+    facts: Facts, views: Sequence[tuple[str, str]], *, readable: bool = False, thresholds: bool = True
+) -> Iterator[str]:
+    """Yield each base fact, without its full stop."""
+    table = _Table(facts, list(map(atom if readable else id_atom, facts.ids)), readable)
+    for name, is_surface, ranked in zip(table.ids, facts.surface.tolist(), facts.labels, strict=True):
+        yield f"spatial_obj({name})"
+        if is_surface:
+            yield f"surface({name})"
+        yield from (f"label({name},{atom(label)},{number(float(score))})" for label, score in ranked)
+    yield from (f"measured_as({name},{model})" for name, model in zip(table.ids, facts.models, strict=True))
+    yield from (f"viewpoint({atom(view.view)})" for view in facts.views if view.view != WORLD)
+    yield from (f"view_label({atom(view)},{atom(label)})" for view, label in views)
+    if thresholds:
+        yield from (f"threshold({atom(name)},{number(value)})" for name, value in facts.thresholds.items())
+    yield from table.pairs()
+    for seen in facts.views:
+        yield from table.aspects(seen)
 
 
 @dataclass(frozen=True)
@@ -119,9 +146,9 @@ class _Table:
             cells.append(values.tolist())
         # The view's name is data, in which % is no slot.
         template = f"{before.replace('%', '%%')}%s,%s{after.replace('%', '%%')}{slots})"
-        ids = self.ids
-        pairs = zip(figures.tolist(), references.tolist(), *cells, strict=True)
-        return (template % (ids[i], ids[j], *numbers) for i, j, *numbers in pairs)
+        named = self.ids.__getitem__
+        columns_of_text = (map(named, figures.tolist()), map(named, references.tolist()))
+        return map(template.__mod__, zip(*columns_of_text, *cells, strict=True))
 
 
 def _numerals(values: Array, readable: bool) -> tuple[str, Array | Index]:

@@ -6,10 +6,13 @@ atoms, ``\+`` and comparisons) means the same in every engine.
 
 from deixis.ruleset.checking import Ruleset, assemble, examine, load, refuse
 from deixis.ruleset.graph import Graph
-from deixis.ruleset.model import Indicator, Kind, Problem, Rule, RuleFile, shown
+from deixis.ruleset.located import SHIPPED, locate, shipped
+from deixis.ruleset.model import VIOLATIONS, Indicator, Kind, Problem, Rule, RuleFile, shown
 from deixis.ruleset.reading import read_file, read_text
 
 __all__ = [
+    "SHIPPED",
+    "VIOLATIONS",
     "Graph",
     "Indicator",
     "Kind",
@@ -20,8 +23,10 @@ __all__ = [
     "assemble",
     "examine",
     "load",
+    "locate",
     "read_file",
     "read_text",
     "refuse",
+    "shipped",
     "shown",
 ]

@@ -13,7 +13,7 @@ from deixis.errors import RuleError
 from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.graph import Graph
 from deixis.ruleset.kinds import Kinds, lengths
-from deixis.ruleset.model import Indicator, Kind, Place, Problem, Rule, RuleFile, atoms, shown
+from deixis.ruleset.model import VIOLATIONS, Indicator, Kind, Place, Problem, Rule, RuleFile, atoms, shown
 from deixis.ruleset.reading import read_file
 from deixis.ruleset.reserved import reserved
 from deixis.ruleset.safety import unsafe
@@ -174,6 +174,12 @@ def _taken(user: Sequence[RuleFile], owners: dict[Indicator, str]) -> Iterator[P
         told = set()
         places = [*file.declared, *((rule.head.predicate, rule.place) for rule in file.rules)]
         for predicate, place in places:
+            if predicate in VIOLATIONS:
+                if file.module is not None and predicate not in told:
+                    told.add(predicate)
+                    hint = "leave :- module(...) out: several files may state violations"
+                    yield Problem(place, f"{shown(predicate)} is defined in a module", hint)
+                continue
             owner = owners.get(predicate) or reserved(predicate)
             if owner and predicate not in told:
                 told.add(predicate)

@@ -90,8 +90,11 @@ def clauses(text: str, lines: Lines) -> Iterator[Clause | Problem]:
                 comments.append(token[0])
             continue
         if token["space"]:
-            if start < 0 and token[0].count("\n") > 1 and comments and comments[-1].startswith("/*"):
-                comments.clear()
+            if start < 0 and token[0].count("\n") > 1 and comments:
+                if comments[-1].startswith("/*"):
+                    comments.clear()
+                else:
+                    comments.append("%")  # a blank line parts the paragraphs
             continue
         if start < 0:
             start, depth, spoilt = token.start(), 0, False

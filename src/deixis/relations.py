@@ -1,8 +1,12 @@
-"""Relations that hold, and what is withheld, as values."""
+"""Relations as values: what holds of which things, and what is withheld."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+
+from deixis.thresholds import SNAP_DECIMALS
+from deixis.vocabulary import BASE, RELATIONS
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,3 +61,24 @@ class Withheld:
     def to_dict(self) -> dict[str, str]:
         """Return the notice as a dict, ready for JSON."""
         return {"view": self.view, "reference": self.reference, "reason": self.reason}
+
+
+def rounded(margin: float | None) -> float | None:
+    """Return a margin to a nanometre, as lengths are measured: differences carry rounding noise."""
+    return None if margin is None else round(margin, SNAP_DECIMALS)
+
+
+def in_order(found: Iterable[Relation]) -> tuple[Relation, ...]:
+    """Return relations in the order of the vocabulary, one's own after it, then by ids."""
+    last = len(_ORDER)
+    return tuple(
+        sorted(
+            found,
+            key=lambda one: (
+                _ORDER.get(one.relation, last), one.relation, one.figure, one.reference, one.view or ""
+            ),
+        )
+    )  # fmt: skip
+
+
+_ORDER = {term.name: position for position, term in enumerate((*BASE, *RELATIONS))}
