@@ -645,3 +645,35 @@ def test_a_cold_start_loads_nothing_heavy(hans: Path) -> None:
     command = [sys.executable, "-c", script, "relations", hans, "--format", "csv"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (YES, "")
+
+
+# What would be if things stood elsewhere
+
+
+def test_the_smallest_change(hans: Path) -> None:
+    found = call("change", hans, "inside(sweater, heater)", "--format", "json")
+    assert found.code == YES
+    change = json.loads(found.out)["change"]
+    assert (change["move"], change["holds"]) == ("sweater", True)
+    assert change["offset"] == pytest.approx([0, 0, -0.04], abs=2e-4)
+    assert "no longer holds" in call("change", hans, "touches(extinguisher1, wall)").out
+    far = call("change", hans, "above(extinguisher1, sweater)")
+    assert (far.code, far.out) == (NO, "Nothing within three metres changes it.\n")
+    refused(call("change", hans, "above(extinguisher1, swaeter)"), "did you mean 'sweater'")
+
+
+def test_what_if_things_stood_elsewhere(hans: Path) -> None:
+    result = call("what-if", hans, "--move", "sweater=0,0,0.1", "--move", "sign=0,-0.5,0", "--format", "json")
+    assert result.code == YES
+    said = json.loads(result.out)
+    assert said["moves"] == {"sweater": [0.0, 0.0, 0.1], "sign": [0.0, -0.5, 0.0]}
+    lost = {(one["relation"], one["figure"], one["reference"]): one["because"] for one in said["lost"]}
+    assert "short by 8 cm" in lost["on_top_of", "sweater", "heater"]
+    assert ("affixed_on", "sign", "wall") in lost
+    assert all(one["margin"] is not None for one in said["gained"])
+    same = call("what-if", hans, "--move", "sweater=0,0,0.0001")
+    assert (same.code, same.out) == (NO, "")
+    refused(call("what-if", hans, "--move", "sweater"), "is no move")
+    refused(call("what-if", hans, "--move", "sweater=1,2"), "is no move")
+    refused(call("what-if", hans, "--move", "cap=0,0,1"), "no object 'cap'")
+    refused(call("what-if", hans, "--move", "sweater=nan,0,0"), "is not x, y, z")

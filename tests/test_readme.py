@@ -84,7 +84,9 @@ def test_rules_of_ones_own_are_checked_as_the_readme_shows(tmp_path: Path) -> No
 
 
 def test_the_table_of_commands_is_complete() -> None:
-    table = dict(re.findall(r"^\| `deixis (\w+)(.*) \|$", README.read_text(encoding="utf-8"), re.MULTILINE))
+    table = dict(
+        re.findall(r"^\| `deixis ([\w-]+)(.*) \|$", README.read_text(encoding="utf-8"), re.MULTILINE)
+    )
     commands = {command.name or command.callback.__name__ for command in app.registered_commands}
     commands |= {group.name for group in app.registered_groups}
     assert table.keys() == commands

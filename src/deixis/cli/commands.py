@@ -94,21 +94,22 @@ def _options(
     pass
 
 
-def _open(scene: Path, region: Region, rules: list[Path] | None = None) -> KnowledgeBase:
+def open_scene(scene: Path, region: Region, rules: list[Path] | None = None) -> KnowledgeBase:
     """Return the knowledge base of a scene file; say on stderr what its readers should know."""
     from deixis.knowledge import KnowledgeBase
 
     kb = KnowledgeBase.from_scene(scene, rules=rules or (), region=region.value)
-    _warn(kb.scene.diagnostics)
+    warn(kb.scene.diagnostics)
     if kb.box_only:
         some = ", ".join(kb.box_only[:_NAMED]) + (" ..." if len(kb.box_only) > _NAMED else "")
-        _warn(
+        warn(
             [f"{len(kb.box_only)} of {len(kb.scene.objects)} have only a box and are measured as it: {some}"]
         )
     return kb
 
 
-def _warn(messages: Any) -> None:
+def warn(messages: Any) -> None:
+    """Say on stderr what should be known beside the answer."""
     for message in messages:
         print(f"deixis: {printable(message)}", file=sys.stderr)
 
@@ -127,7 +128,7 @@ def relations(
     ] = EngineName.DUCKDB,
 ) -> None:
     """Print the relations that hold in a scene, each with its margin in metres."""
-    with _open(scene, region, rules) as kb:
+    with open_scene(scene, region, rules) as kb:
         found = kb.relations(view=view, relation=relation, timeout=timeout, engine=engine.value)
         if output is Format.JSON:
             write_json(
@@ -147,7 +148,7 @@ def relations(
         noise = kb.scene.thresholds.pose_noise
         unsure = sum(one.margin is not None and one.margin < noise for one in found)
         if output is Format.TABLE and unsure:
-            _warn([f"{unsure} of {len(found)} hold by less than the pose noise of {noise * 100:g} cm"])
+            warn([f"{unsure} of {len(found)} hold by less than the pose noise of {noise * 100:g} cm"])
     if not found:
         raise typer.Exit(1)
 
@@ -159,7 +160,7 @@ def facts(
     output: Annotated[Format, typer.Option("--format", help="How to print them.")] = Format.TABLE,
 ) -> None:
     """Print what was measured: one row for each ordered pair within reach."""
-    kb = _open(scene, region)
+    kb = open_scene(scene, region)
     if output is Format.PL:
         sys.stdout.write(kb.facts_text())
         return
@@ -206,7 +207,7 @@ def ask(
         told = {"truncated": answers.truncated, "timed_out": timed_out, "output": answers.output}
         write_json({"goal": goal, "answers": rows, **told})
 
-    with _open(scene, region, rules) as kb:
+    with open_scene(scene, region, rules) as kb:
         try:
             answers = kb.ask(goal, limit=limit, timeout=timeout)
         except QueryTimeout:
@@ -224,7 +225,7 @@ def ask(
         if not answers.bindings:
             print("false")
     if answers.truncated:
-        _warn([f"there are more answers than the {limit} printed"])
+        warn([f"there are more answers than the {limit} printed"])
     if not answers.bindings:
         raise typer.Exit(1)
 
@@ -239,7 +240,7 @@ def why(
     rules: RuleFiles = None,
 ) -> None:
     """Explain why a relation holds, down to the measured numbers; exit code 1 when it does not hold."""
-    with _open(scene, region, rules) as kb:
+    with open_scene(scene, region, rules) as kb:
         answer = kb.why(goal, timeout=timeout)
     if output is TextOrJson.JSON:
         write_json({"goal": goal, **answer.to_dict()})
@@ -269,7 +270,7 @@ def check(
     Without --rules it checks the shipped rules of safety. Exit codes: 0 no violation, 1 there are violations,
     2 error, 3 time-out.
     """
-    with _open(scene, region, rules) as kb:
+    with open_scene(scene, region, rules) as kb:
         found = kb.check(view=view, engine=engine.value, reasons=not brief, timeout=timeout)
     if output is TextOrJson.JSON:
         write_json(found.to_dict())
@@ -298,7 +299,7 @@ def shell(
     from deixis._files import theory_files
     from deixis.prolog.shell import exec_shell
 
-    opened = [_open(scene, region, rules) for scene in scenes]
+    opened = [open_scene(scene, region, rules) for scene in scenes]
     grounded = [(kb.facts, [(view.id, view.label) for view in kb.scene.views]) for kb in opened]
     exec_shell([*theory_files(), *opened[0].rule_files], grounded, opened[0].tabled)
 
@@ -319,7 +320,7 @@ def import_(
     from deixis.readers import read_one
 
     scene = read_one(name, path)
-    _warn(scene.diagnostics)
+    warn(scene.diagnostics)
     scene.save(target)
     print(f"{target}: {len(scene.objects)} objects, {len(scene.views)} views", file=sys.stderr)
 

@@ -1,0 +1,116 @@
+"""Commands that ask what would be if things stood elsewhere."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from deixis.cli.commands import (
+    Region,
+    RegionOption,
+    RuleFiles,
+    ScenePath,
+    Seconds,
+    TextOrJson,
+    app,
+    open_scene,
+    warn,
+)
+from deixis.cli.output import printable, write_json
+from deixis.errors import QueryError
+
+if TYPE_CHECKING:
+    from deixis.knowledge import KnowledgeBase
+    from deixis.relations import Relation
+
+
+@app.command()
+def change(
+    scene: ScenePath,
+    goal: Annotated[str, typer.Argument(metavar="GOAL", help="A relation, e.g. 'on_top_of(cup, table)'.")],
+    output: Annotated[
+        TextOrJson, typer.Option("--format", help="How to print the change.")
+    ] = TextOrJson.TEXT,
+    rules: RuleFiles = None,
+) -> None:
+    """Find the smallest move of a thing that makes a relation hold, or cease to.
+
+    The move is verified by trying it. Exit codes: 0 there is one, 1 nothing within three metres does it, 2
+    the question is wrong.
+    """
+    with open_scene(scene, Region.BOX, rules) as kb:
+        found = kb.change(goal)
+    if output is TextOrJson.JSON:
+        write_json({"goal": goal, "change": None if found is None else found.to_dict()})
+    elif found is None:
+        print("Nothing within three metres changes it.")
+    else:
+        x, y, z = found.offset
+        becomes = "holds" if found.holds else "no longer holds"
+        print(
+            f"Move {printable(found.thing)} by {x:.4f},{y:.4f},{z:.4f} m ({100 * found.distance:.1f} cm): "
+            f"then {printable(goal)} {becomes}."
+        )
+    if found is None:
+        raise typer.Exit(1)
+
+
+@app.command(name="what-if")
+def what_if(
+    scene: ScenePath,
+    move: Annotated[
+        list[str],
+        typer.Option("--move", metavar="THING=X,Y,Z", help="Move a thing by metres; may be repeated."),
+    ],
+    region: RegionOption = Region.BOX,
+    output: Annotated[TextOrJson, typer.Option("--format", help="How to print them.")] = TextOrJson.TEXT,
+    timeout: Seconds = 60.0,
+    rules: RuleFiles = None,
+) -> None:
+    """Print the relations gained and lost if things stood elsewhere, each with its reason.
+
+    Exit codes: 0 something would change, 1 nothing would, 2 the question is wrong.
+    """
+    moves = dict(map(_move, move))
+    with open_scene(scene, region, rules) as kb, kb.what_if(moves) as then:
+        before = {(one.relation, one.figure, one.reference, one.view): one for one in kb.relations()}
+        after = {(one.relation, one.figure, one.reference, one.view): one for one in then.relations()}
+        gained = [_told(one, then, timeout) for key, one in after.items() if key not in before]
+        lost = [_told(one, then, timeout) for key, one in before.items() if key not in after]
+    if output is TextOrJson.JSON:
+        write_json(
+            {
+                "moves": {thing: list(offset) for thing, offset in moves.items()},
+                "gained": gained,
+                "lost": lost,
+            }
+        )
+    else:
+        for sign, some in (("+", gained), ("-", lost)):
+            for one in some:
+                print(f"{sign} {printable(one['because'])}")
+    if not (gained or lost):
+        warn(["nothing would change"])
+        raise typer.Exit(1)
+
+
+def _move(text: str) -> tuple[str, tuple[float, float, float]]:
+    """Return a thing and the offset that a user wrote; an id may have an equals sign in it."""
+    thing, _, offset = text.rpartition("=")
+    try:
+        x, y, z = map(float, offset.split(","))
+    except ValueError:
+        raise QueryError(f"{text!r} is no move: write THING=X,Y,Z in metres, such as cup=0,0,-0.04") from None
+    return thing, (x, y, z)
+
+
+def _told(one: Relation, then: KnowledgeBase, timeout: float) -> dict[str, object]:
+    """Return a relation with the reason why it holds, or not, in the world of then."""
+    answer = then.why(one.to_prolog(), timeout=timeout)
+    because = (
+        answer.proof.sentence()
+        if answer.proof is not None
+        else f"{answer.text[:1].upper()}{answer.text[1:]}."
+    )
+    return {**one.to_dict(), "because": because}
