@@ -19,6 +19,10 @@ For names that nothing has: the known name that is most alike.
 unknown_name(What, Name, Known) :-
     (   close_name(Name, Known, Close)
     ->  print_message(help, format("~w ~q: did you mean ~q?", [What, Name, Close]))
+    ;   length(Known, Count),
+        Count =< 10,
+        Count > 0
+    ->  print_message(help, format("~w ~q: known are ~q", [What, Name, Known]))
     ;   print_message(help, format("~w ~q", [What, Name]))
     ).
 

@@ -86,11 +86,18 @@ documented(Lines, Name, Arity, Comment) :-
     atom_string(Top, Mode),
     Comment = [Top|More].
 
+%   head(+Mode, ?Name, -Arity): Mode is as in `pair(?Figure, ?Reference) is nondet.`
+
 head(Mode, Name, Arity) :-
-    (   sub_string(Mode, Before, _, _, " is ") -> sub_string(Mode, 0, Before, _, Head) ; Head = Mode ),
-    catch(term_string(Term, Head), error(syntax_error(_), _), fail),
-    callable(Term),
-    functor(Term, Name, Arity).
+    split_string(Mode, "(", " :", [Name0, Rest0|_]),
+    !,
+    split_string(Rest0, ")", "", [Arguments|_]),
+    split_string(Arguments, ",", "", Parts),
+    length(Parts, Arity),
+    atom_string(Name, Name0).
+head(Mode, Name, 0) :-
+    split_string(Mode, " ", ".", [Name0|_]),
+    atom_string(Name, Name0).
 
 comment_lines([Line|Lines], [Text|More]) :-
     string_concat("%", Rest, Line),

@@ -186,6 +186,7 @@ help(Name) :-
     manual(Name),
     !.
 help(Name) :-
+    load_files(library(help), [if(not_loaded), imports([])]),
     prolog_help:help(Name).
 
 %   Before a question is asked, its relations get the view they are given without, and its names are looked up.

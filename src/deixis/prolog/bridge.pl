@@ -5,6 +5,7 @@ A request is the text of one term, written by quote.py and text.py. A reply is o
 
   | rules(Files, Tabled)         | true: the rule files are loaded                   |
   | load(Facts)                  | replace all facts; how many there are             |
+  | load_file(File)              | the same, by a file with the list of them         |
   | ask(Text, Limit, Inferences) | rows of bindings, whether cut short, its output   |
   | relations([Name/Arity, ...]) | all answers of these predicates, sorted, distinct |
   | call(Operation, Arguments)   | what the operation of a rule file returns         |
@@ -90,14 +91,23 @@ perform(rules(Files, Tabled), true) :-
     ).
 perform(load(Facts), Count) :-
     must_be(list, Facts),
-    forall(member(Fact, Facts), base_fact(Fact)),
+    (   ground(Facts)
+    ->  true
+    ;   throw(bridge(facts, "a base fact holds a variable", []))
+    ),
     forall(base(Name, Arity),
            ( functor(Head, Name, Arity),
              retractall(facts:Head)
            )),
-    forall(member(Fact, Facts), assertz(facts:Fact)),
+    add_facts(Facts),               % an error costs the engine, so that no half of them stays
     abolish_all_tables,
     length(Facts, Count).
+perform(load_file(File), Count) :-
+    setup_call_cleanup(
+        open(File, read, In, [encoding(utf8)]),
+        read_term(In, Facts, [module(bridge)]),
+        close(In)),
+    perform(load(Facts), Count).
 perform(ask(Text, Limit, Inferences), Answers) :-
     ask(Text, Limit, Inferences, Answers).
 perform(relations(Indicators), Tables) :-
@@ -151,15 +161,16 @@ remember_base :-
              assertz(base(Name, Arity))
            )).
 
-base_fact(Fact) :-
-    ground(Fact),
-    callable(Fact),
-    functor(Fact, Name, Arity),
-    base(Name, Arity),
-    !.
-base_fact(Fact) :-
-    format(string(Message), "no base fact has the form ~p", [Fact]),
-    throw(bridge(facts, Message, [])).
+add_facts([]).
+add_facts([Fact|Facts]) :-
+    (   callable(Fact),
+        functor(Fact, Name, Arity),
+        base(Name, Arity)
+    ->  assertz(facts:Fact)
+    ;   format(string(Message), "no base fact has the form ~p", [Fact]),
+        throw(bridge(facts, Message, []))
+    ),
+    add_facts(Facts).
 
 
                  /*******************************
