@@ -3,6 +3,7 @@
             best_proof/2,               % :Goal, -Node
             truth_margin/2,             % :Goal, -Margin
             nearest_miss/2,             % :Goal, -Node
+            misses/2,                   % :Goal, -Nodes
             refusal/2,                  % :Goal, -Node
             why/1                       % :Goal
           ]).
@@ -29,6 +30,7 @@ Clause is a clause reference or `none`; Margin is a number, or `inf` where no le
     best_proof(0, -),
     truth_margin(0, -),
     nearest_miss(0, -),
+    misses(0, -),
     refusal(0, -),
     why(0).
 
@@ -73,6 +75,31 @@ truth_margin(Goal, Margin) :-
 nearest_miss(M:Goal, Node) :-
     findall(N, near_whole(Goal, M, N), [First|Rest]),
     foldl(closer, Rest, First, Node).
+
+%!  misses(:Goal, -Nodes:list) is det.
+%
+%   Nodes are the derivations that come closest to Goal, one for each rule that concludes it and whose facts
+%   are there, nearest first. A rule without a measured fact to go by has none.
+
+misses(M:Goal, Nodes) :-
+    findall(Clause-Node, ( near_whole(Goal, M, Node), Node = node(_, _, _, Clause, _) ), Pairs),
+    findall(Clause, member(Clause-_, Pairs), Found),
+    sort(Found, Clauses),
+    findall(Best,
+            ( member(Clause, Clauses),
+              findall(Node, member(Clause-Node, Pairs), [First|Rest]),
+              foldl(closer, Rest, First, Best)
+            ),
+            Bests),
+    predsort(nearer, Bests, Nodes).
+
+nearer(Order, A, B) :-
+    margin(A, MA),
+    margin(B, MB),
+    (   less(MA, MB)
+    ->  Order = (>)
+    ;   Order = (<)
+    ).
 
 near_whole(Goal, M, Node) :-
     derive_all(Goal, nears, M, [], Nodes),

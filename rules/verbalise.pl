@@ -2,6 +2,8 @@
           [ node_text/2,                % +Node, -Text
             node_dict/2,                % +Node, -Dict
             hindrance/2,                % +Goal, -Text
+            obstacles/2,                % +Node, -Texts
+            denied_text/2,              % +Goal, -Text
             print_proof/1,              % +Node
             object_name/2,              % +Object, -Name
             length_text/2               % +Metres, -Text
@@ -232,6 +234,46 @@ hindrance(Goal, Text) :-
         Figure \== Reference
     ->  hindrance_text(apart(Figure, Reference), Text)
     ).
+
+%!  obstacles(+Node, -Texts:list) is det.
+%
+%   Texts say what keeps the derivation Node from holding: each of its parts that fails.
+
+obstacles(node(_, _, _, _, Children), Texts) :-
+    findall(Text, ( member(Child, Children), fails(Child), obstacle(Child, Text) ), Texts).
+
+fails(node(_, _, Margin, _, _)) :-
+    (   number(Margin)
+    ->  Margin < 0
+    ;   Margin == minus_inf
+    ).
+
+%   Of a denial what refutes it is named; of a rule or fact, that it does not hold.
+
+obstacle(node(negation, _, _, _, [Miss]), Text) :-
+    !,
+    witness(Miss, Witness),
+    node_text(Witness, Text).
+obstacle(node(comparison, Goal, Margin, _, _), Text) :-
+    !,
+    comparison_text(Goal, Margin, Text).
+obstacle(node(_, Goal, Margin, _, _), Text) :-
+    goal_text(Goal, no, Core),
+    (   number(Margin)
+    ->  short_text(Margin, Short),
+        format(string(Text), "~s (~s)", [Core, Short])
+    ;   Text = Core
+    ).
+
+witness(node(conjunction, _, _, _, [First|_]), First) :- !.
+witness(Miss, Miss).
+
+%!  denied_text(+Goal, -Text:string) is det.
+%
+%   Text says that Goal does not hold.
+
+denied_text(Goal, Text) :-
+    goal_text(Goal, no, Text).
 
 hindrance_text(What, Text) :-
     hindered(What, Template),

@@ -677,3 +677,29 @@ def test_what_if_things_stood_elsewhere(hans: Path) -> None:
     refused(call("what-if", hans, "--move", "sweater=1,2"), "is no move")
     refused(call("what-if", hans, "--move", "cap=0,0,1"), "no object 'cap'")
     refused(call("what-if", hans, "--move", "sweater=nan,0,0"), "is not x, y, z")
+
+
+def test_why_not(hans: Path) -> None:
+    result = call("why-not", hans, "affixed_on(extinguisher2, wall)")
+    told = "not affixed on the wall, because the floor touches the fire extinguisher (extinguisher2).\n"
+    assert (result.code, result.out.endswith(told)) == (YES, True)
+    said = json.loads(call("why-not", hans, "beside(extinguisher2, radiator, v1)", "--format", "json").out)
+    assert (said["holds"], len(said["misses"])) == (False, 2), "one for each of its two rules"
+    margins = [one["derivation"]["margin"] for one in said["misses"]]
+    assert margins == sorted(margins, reverse=True)
+    assert call("why-not", hans, "on_top_of(sweater, heater)").code == NO
+    swapped = call("why-not", hans, "near(heater, sweater)").out
+    assert "is the reference of the two" in swapped
+    refused(call("why-not", hans, "near(heater, swaeter)"), "did you mean 'sweater'")
+
+
+def test_contrast(hans: Path) -> None:
+    question = ("contrast", hans, "leans_on(extinguisher2, wall)", "--rather-than")
+    result = call(*question, "affixed_on(extinguisher2, wall)")
+    assert (result.code, result.out.count(".")) == (YES, 1)
+    assert "leans on the wall" in result.out
+    assert "because the floor touches" in result.out
+    both = call(*question, "near(extinguisher2, wall)")
+    assert (both.code, both.out[:10]) == (NO, "Both hold:")
+    neither = call("contrast", hans, "on_top_of(sign, heater)", "--rather-than", "near(sign, heater)")
+    assert neither.code == NO

@@ -84,6 +84,10 @@ class Proof:
         """Return the proof as nested dicts, ready for JSON."""
         return asdict(self)
 
+    def rule_place(self) -> str:
+        """Return file and line of the rule, or the predicate where there is no rule."""
+        return self.predicate if self.rule is None else f"{self.rule.file}:{self.rule.line}"
+
     def outline(self) -> str:
         """Return the proof as indented lines, one sentence each, for people."""
         return "\n".join(self._lines(0))
@@ -173,3 +177,89 @@ class Answer:
             "nearest": None if self.nearest is None else self.nearest.to_dict(),
             "measured_as": dict(self.measured_as),
         }
+
+
+@dataclass(frozen=True, slots=True)
+class Miss:
+    """A rule that could have concluded something, and what keeps it from that.
+
+    Attributes
+    ----------
+    derivation : Proof
+        The derivation by this rule that comes closest; what fails has a negative margin.
+    obstacles : tuple of str
+        What fails, each in a sentence.
+    """
+
+    derivation: Proof
+    obstacles: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Why something does not hold.
+
+    Attributes
+    ----------
+    holds : bool
+        True where it does hold after all; then there is nothing to refuse.
+    text : str
+        What holds or does not, in one sentence.
+    misses : tuple of Miss
+        One for each rule whose facts are there, nearest first.
+    hindrance : str or None
+        What keeps it from being stated whatever was measured: the order of the two, or a view.
+    """
+
+    holds: bool
+    text: str
+    misses: tuple[Miss, ...]
+    hindrance: str | None
+
+    @classmethod
+    def from_dict(cls, reply: Mapping[str, Any]) -> Refusal:
+        """Return the refusal that the rules' meta-interpreter gave as a dict."""
+        misses = tuple(
+            Miss(Proof.from_dict(one["derivation"]), tuple(one["obstacles"])) for one in reply["misses"]
+        )
+        return cls(reply["holds"], reply["text"], misses, reply["hindrance"])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the refusal as nested dicts, ready for JSON."""
+        return {
+            "holds": self.holds,
+            "text": self.text,
+            "hindrance": self.hindrance,
+            "misses": [
+                {"derivation": one.derivation.to_dict(), "obstacles": list(one.obstacles)}
+                for one in self.misses
+            ],
+        }
+
+    def reason(self) -> str:
+        """Return what keeps it from holding, for the rule that comes closest; empty where that is not known.
+
+        Examples
+        --------
+        >>> Refusal(False, "the cup is not on top of the table", (), "they are apart").sentence()
+        'The cup is not on top of the table, because they are apart.'
+        """
+        if self.hindrance is not None:
+            return self.hindrance
+        return " and ".join(self.misses[0].obstacles) if self.misses else ""
+
+    def sentence(self) -> str:
+        """Return that it does not hold, and why, in one sentence."""
+        head, reason = self.text[:1].upper() + self.text[1:], self.reason()
+        return f"{head}, because {reason}." if reason and not self.holds else f"{head}."
+
+
+def contrast(fact: Answer, other: Refusal) -> str:
+    """Return in one sentence why a fact holds rather than another."""
+    if fact.proof is None:
+        return f"{fact.text[:1].upper()}{fact.text[1:]}: there is nothing to contrast."
+    if other.holds:
+        return f"Both hold: {fact.text}, and {other.text}."
+    head = f"{fact.text[:1].upper()}{fact.text[1:]}, but {other.text}"
+    reason = other.reason()
+    return f"{head}, because {reason}." if reason else f"{head}."

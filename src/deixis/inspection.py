@@ -6,17 +6,21 @@ at fault, and another thing that is needed to see why. ``rules/safety.pl`` is an
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from deixis.errors import RuleError
-from deixis.explain import Proof
+from deixis.explain import Answer, Proof
+from deixis.prolog.quote import term
+from deixis.prolog.terms import Atom, Compound
+from deixis.relations import rounded
 from deixis.ruleset.model import VIOLATIONS, Constant
 
 if TYPE_CHECKING:
     from deixis.engines import Found
     from deixis.ruleset import Ruleset
+    from deixis.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +134,21 @@ class Inspection:
             "checked": {"rules": [one.to_dict() for one in self.checked], "things": self.things},
             "violations": [one.to_dict() for one in self.violations],
         }
+
+
+def inspect(
+    scene: Scene, ruleset: Ruleset, breaches: Iterable[Found], why: Callable[[str], Answer] | None
+) -> Inspection:
+    """Return an inspection from the breaches that were derived, with reasons where ``why`` is given."""
+    checked = stated(ruleset)
+    violations = []
+    for (name, _), row, margin in in_order(breaches, checked):
+        text, proof = f"{name}({', '.join(row)})", None
+        if why is not None:
+            proof = why(term(Compound(name, tuple(map(Atom, row))))).proof
+            text = text if proof is None else proof.text
+        violations.append(Violation(row[0], row[1:], rounded(margin), text, proof))
+    return Inspection(scene.id, None, checked, len(scene.objects), tuple(violations))
 
 
 def stated(ruleset: Ruleset) -> tuple[Checked, ...]:

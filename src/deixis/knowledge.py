@@ -6,7 +6,7 @@ import os
 import threading
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
@@ -25,7 +25,7 @@ from deixis.vocabulary import RELATIONS
 if TYPE_CHECKING:
     from deixis.counterfactual import Change
     from deixis.engines import Engine, Found
-    from deixis.explain import Answer
+    from deixis.explain import Answer, Refusal
     from deixis.inspection import Inspection
     from deixis.prolog import Answers, PrologEngine
     from deixis.ruleset import Indicator, Ruleset
@@ -267,14 +267,24 @@ class KnowledgeBase:
             It took longer than ``timeout`` seconds.
         """
         from deixis.explain import Answer
+
+        return Answer.from_dict({**self._explained("why", goal, timeout), "measured_as": self.measured_as})
+
+    def why_not(self, goal: str, *, timeout: float = 10.0) -> Refusal:
+        """Return what keeps each rule from concluding a goal, nearest first; raises as :meth:`why` does."""
+        from deixis.explain import Refusal
+
+        return Refusal.from_dict(self._explained("why_not", goal, timeout))
+
+    def _explained(self, operation: str, goal: str, timeout: float) -> dict[str, Any]:
         from deixis.prolog.engine import question_text
 
-        reply: Any = self.engine.call("why", question_text(goal), timeout=timeout)
+        reply: Any = self.engine.call(operation, question_text(goal), timeout=timeout)
         if "unknown" in reply:
             known = [*self.facts.ids, *(view.id for view in self.scene.views)]
             name = reply["unknown"]
             raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{hint(name, known)}")
-        return Answer.from_dict({**reply, "measured_as": self.measured_as})
+        return dict(reply)
 
     def check(
         self,
@@ -316,26 +326,16 @@ class KnowledgeBase:
         ...     print(kb.check().violations[-1].text)
         the sweater is a fire hazard on or against the electric heater
         """
-        from deixis.inspection import Inspection, Violation, stated
-        from deixis.inspection import in_order as breaches_in_order
-        from deixis.prolog.quote import term
-        from deixis.prolog.terms import Atom, Compound
+        from deixis.inspection import inspect
         from deixis.ruleset import VIOLATIONS
 
         if view is not None or not self._rules:
             with self._variant(view) as variant:
                 found = variant.check(engine=engine, reasons=reasons, timeout=timeout)
             return replace(found, view=view)
-        checked = stated(self.ruleset)
-        wanted = sorted(VIOLATIONS & self.ruleset.user)
-        violations = []
-        for (name, _), row, margin in breaches_in_order(self._derive(engine, wanted, timeout), checked):
-            text, proof = f"{name}({', '.join(row)})", None
-            if reasons:
-                proof = self.why(term(Compound(name, tuple(map(Atom, row)))), timeout=timeout).proof
-                text = text if proof is None else proof.text
-            violations.append(Violation(row[0], row[1:], rounded(margin), text, proof))
-        return Inspection(self.scene.id, None, checked, len(self.scene.objects), tuple(violations))
+        breaches = self._derive(engine, sorted(VIOLATIONS & self.ruleset.user), timeout)
+        why = partial(self.why, timeout=timeout) if reasons else None
+        return inspect(self.scene, self.ruleset, breaches, why)
 
     def _variant(self, view: str | None) -> KnowledgeBase:
         """Return the same scene as seen from one view or all, with the rules given or those of safety."""

@@ -36,6 +36,28 @@ bridge:operation(why, [Text], Reply) :-
         Reply = _{ proof: null, nearest: Nearest, text: Sentence }
     ).
 
+%   why_not(Text): whether the goal holds and, if it does not, what keeps each rule from concluding it.
+
+bridge:operation(why_not, [Text], Reply) :-
+    questions:question(Text, Goal, _),
+    one_relation(Goal),
+    (   explain:best_proof(question:Goal, Node)
+    ->  verbalise:node_text(Node, Sentence),
+        Reply = _{ holds: true, text: Sentence, misses: [], hindrance: null }
+    ;   stranger(Goal, Name)
+    ->  atom_string(Name, Stranger),
+        Reply = _{ unknown: Stranger }
+    ;   verbalise:denied_text(Goal, Sentence),
+        (   verbalise:hindrance(Goal, Hindrance) -> true ; Hindrance = null ),
+        explain:misses(question:Goal, Nodes),
+        maplist(miss, Nodes, Misses),
+        Reply = _{ holds: false, text: Sentence, misses: Misses, hindrance: Hindrance }
+    ).
+
+miss(Node, _{ derivation: Dict, obstacles: Texts }) :-
+    verbalise:node_dict(Node, Dict),
+    verbalise:obstacles(Node, Texts).
+
 one_relation(Goal) :-
     functor(Goal, Name, Arity),
     (   questions:vocabulary(Name, Arity)

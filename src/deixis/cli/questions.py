@@ -1,4 +1,4 @@
-"""Commands that ask what would be if things stood elsewhere."""
+"""Commands that ask why not, why this rather than that, and what would be if things stood elsewhere."""
 
 from __future__ import annotations
 
@@ -23,6 +23,55 @@ from deixis.errors import QueryError
 if TYPE_CHECKING:
     from deixis.knowledge import KnowledgeBase
     from deixis.relations import Relation
+
+
+@app.command(name="why-not")
+def why_not(
+    scene: ScenePath,
+    goal: Annotated[
+        str, typer.Argument(metavar="GOAL", help="A relation, e.g. 'affixed_on(picture, wall)'.")
+    ],
+    region: RegionOption = Region.BOX,
+    output: Annotated[TextOrJson, typer.Option("--format", help="How to print it.")] = TextOrJson.TEXT,
+    timeout: Seconds = 10.0,
+    rules: RuleFiles = None,
+) -> None:
+    """Say what keeps a relation from holding: of each rule what fails, the nearest first.
+
+    Exit codes: 0 it does not hold, 1 it does, 2 the question is wrong.
+    """
+    with open_scene(scene, region, rules) as kb:
+        found = kb.why_not(goal, timeout=timeout)
+    if output is TextOrJson.JSON:
+        write_json({"goal": goal, **found.to_dict()})
+    else:
+        print(printable(found.sentence()))
+        for miss in found.misses[1:]:
+            print(f"Nor by {miss.derivation.rule_place()}: {printable(' and '.join(miss.obstacles))}.")
+    if found.holds:
+        raise typer.Exit(1)
+
+
+@app.command()
+def contrast(
+    scene: ScenePath,
+    goal: Annotated[str, typer.Argument(metavar="GOAL", help="A relation that holds.")],
+    rather_than: Annotated[str, typer.Option(metavar="GOAL", help="One that does not.")],
+    region: RegionOption = Region.BOX,
+    timeout: Seconds = 10.0,
+    rules: RuleFiles = None,
+) -> None:
+    """Say why one relation holds rather than another, in a sentence.
+
+    Exit codes: 0 the one holds and the other does not, 1 otherwise, 2 the question is wrong.
+    """
+    from deixis.explain import contrast as told
+
+    with open_scene(scene, region, rules) as kb:
+        fact, other = kb.why(goal, timeout=timeout), kb.why_not(rather_than, timeout=timeout)
+    print(printable(told(fact, other)))
+    if not fact or other.holds:
+        raise typer.Exit(1)
 
 
 @app.command()
