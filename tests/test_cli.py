@@ -319,7 +319,7 @@ def test_shell_is_prolog_with_the_scene_in_it(strange: Path, tmp_path: Path) -> 
         env={"TMPDIR": str(private)},
     )
     assert (told.code, told.err) == (YES, "")
-    assert told.out.startswith("Deixis: 4 objects, 1 views, ")
+    assert told.out.startswith("Deixis: 4 objects, 0 surfaces, 1 views, ")
     assert "X = 'O\\'Hara\\'s \"table\", {0} ~w \\\\'" in told.out
     assert "[axiom 36]" in told.out
     assert list(private.iterdir()) == []

@@ -195,8 +195,8 @@ def ask(
 ) -> None:
     """Answer a question.
 
-    Exit codes: 0 there is an answer, 1 there is none, 2 the question is wrong, 3 it took too long. Answers cut
-    short by --limit say so: on stderr, and as "truncated" in JSON, where "timed_out" tells of a time-out.
+    Exit codes: 0 there is an answer, 1 there is none, 2 the question is wrong, 3 it took too long. Answers
+    cut short by --limit say so: on stderr, and as "truncated" in JSON, where "timed_out" tells of a time-out.
     """
     from deixis.errors import QueryTimeout
     from deixis.prolog import Answers, Variable, term_json, term_text
@@ -292,8 +292,8 @@ def shell(
 ) -> None:
     """Open SWI-Prolog with scenes and the rules loaded.
 
-    At its prompt also: objects, axioms, help(on_top_of), why(GOAL), why_not(GOAL), view(V). With several scenes
-    each id has the id of its scene and _ in front: cup of the scene hall is hall_cup.
+    At its prompt also: objects, axioms, help(on_top_of), why(GOAL), why_not(GOAL), view(V). With several
+    scenes each id has the id of its scene and _ in front: cup of the scene hall is hall_cup.
     """
     from deixis.knowledge import theory_files
     from deixis.prolog.shell import exec_shell

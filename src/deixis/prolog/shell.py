@@ -90,8 +90,8 @@ def apart(scenes: Sequence[Grounded]) -> list[Grounded]:
     for facts, _ in scenes:
         if facts.thresholds != first.thresholds:
             raise QueryError(
-                f"the scenes {first.scene!r} and {facts.scene!r} are read with different thresholds, which one "
-                f"shell cannot do: open them one by one, or give them the same"
+                f"the scenes {first.scene!r} and {facts.scene!r} are read with different thresholds, which "
+                f"one shell cannot do: open them one by one, or give them the same"
             )
     named = [_named(facts, views) for facts, views in scenes]
     names = [name for facts, views in named for name in (*facts.ids, *(view for view, _ in views))]
