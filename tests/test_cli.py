@@ -255,6 +255,7 @@ def test_answers_as_json(hans: Path) -> None:
         "goal": "threshold(granularity, D), X = at(D, [cup])",
         "answers": [{"D": 0.02, "X": {"functor": "at", "args": [0.02, ["cup"]]}}],
         "truncated": False,
+        "timed_out": False,
         "output": "",
     }
     none = call("ask", hans, "on_top_of(sweater, floor)", "--format", "json")
@@ -266,6 +267,13 @@ def test_a_cut_off_answer_says_so(hans: Path) -> None:
     assert (result.code, len(result.out.splitlines())) == (YES, 2)
     assert result.err == "deixis: there are more answers than the 2 printed\n"
     assert json.loads(call("ask", hans, "near(X, Y)", "--limit", "2", "--format", "json").out)["truncated"]
+
+
+def test_a_time_out_says_so(hans: Path) -> None:
+    result = call("ask", hans, "between(1, inf, X), X < 0", "--timeout", "0.2", "--format", "json")
+    said = json.loads(result.out)
+    assert (result.code, said["timed_out"], said["truncated"], said["answers"]) == (TIME_OUT, True, True, [])
+    assert result.err.startswith("deixis: no answer within 0.2 s")
 
 
 def test_what_a_question_prints_is_shown(hans: Path) -> None:

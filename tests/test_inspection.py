@@ -1,4 +1,4 @@
-"""Support and safety: the shipped rules in all engines, deixis check, violations stated by files of one's own."""
+"""Support and safety: the shipped rules in all engines, deixis check, violations of one's own."""
 
 from __future__ import annotations
 

@@ -54,8 +54,9 @@ def test_python_prints_what_the_readme_shows(root: Path) -> None:
 
 
 def test_prolog_answers_what_the_readme_shows(root: Path) -> None:
-    (rule,) = blocks("prolog")
-    assert f"\n{rule['text']}\n" in (root / "rules" / "commonsense.pl").read_text(encoding="utf-8")
+    rule, own = blocks("prolog")
+    for block, name in ((rule, "commonsense"), (own, "safety")):
+        assert f"\n{block['text']}\n" in (root / "rules" / f"{name}.pl").read_text(encoding="utf-8")
     command, *dialogue = shown_after(rule)["text"].splitlines()
     # At a terminal, ; asks for the next answer; in a pipe it is a line of its own and not echoed.
     typed, answers = "", []
