@@ -112,6 +112,8 @@ def answers(pairs: Pairs, limits: Thresholds = LIMITS, robot: Any = (0.0, 0.0, 0
     relaxed, strict = meets_halfspaces(boxes, framed, facts, np.arange(m))
     seen = (clearance[m:] > SNAP)[:, None]
     apart, p, d = columns.separation, limits.penetration, limits.granularity
+    lengths = [apart - limits.closeness, apart + p, apart - d, columns.protrusion - d]
+    margins = np.column_stack([*lengths, columns.vertical, columns.vertical_strict, relaxed, strict])
     return {
         "is_close": apart <= limits.closeness,
         "touches": (apart >= -p) & (apart <= d),
@@ -123,6 +125,7 @@ def answers(pairs: Pairs, limits: Thresholds = LIMITS, robot: Any = (0.0, 0.0, 0
         "sides": (relaxed >= 0.0) & seen,
         "sides_strict": (strict >= 0.0) & seen,
         "frontier": columns.frontier,
+        "narrow": ((margins != 0.0) & (np.abs(margins) < 5.0 * SNAP)).any(axis=1),
     }
 
 
@@ -130,7 +133,7 @@ def disagreements(one: dict[str, Any], other: dict[str, Any], order: Any = (BACK
     """Return in how many pairs two sets of answers differ; ``order`` says which side became which."""
     wrong = np.zeros(len(one["touches"]), dtype=bool)
     for name, value in one.items():
-        if name == "frontier":
+        if name in ("frontier", "narrow"):
             continue
         then = other[name][:, order] if name.startswith("sides") else other[name]
         different = value != then
@@ -162,7 +165,11 @@ def campaign(m: int, seed: int) -> None:
         **{name: 4.0 * value if name != "halfspace_scale" else value for name, value in LIMITS.items()}
     )
     larger = pairs.each(lambda one: replace(one, center=4.0 * one.center, half=4.0 * one.half))
-    assert disagreements(base, answers(larger, unit)) == 0
+    scaled = answers(larger, unit)
+    # Lengths are rounded to a nanometre in any unit: what misses a bound by less is another matter in each.
+    wide = ~scaled["narrow"]
+    assert wide.sum() > 0.999 * m
+    assert disagreements(some(base, wide), some(scaled, wide)) == 0
 
     # A mirror swaps left and right.
     mirror = np.array([1.0, -1.0, 1.0])

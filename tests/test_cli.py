@@ -269,6 +269,13 @@ def test_a_cut_off_answer_says_so(hans: Path) -> None:
     assert json.loads(call("ask", hans, "near(X, Y)", "--limit", "2", "--format", "json").out)["truncated"]
 
 
+def test_a_time_out_says_so(hans: Path) -> None:
+    result = call("ask", hans, "between(1, inf, X), X < 0", "--timeout", "0.2", "--format", "json")
+    said = json.loads(result.out)
+    assert (result.code, said["timed_out"], said["truncated"], said["answers"]) == (TIME_OUT, True, True, [])
+    assert result.err.startswith("deixis: no answer within 0.2 s")
+
+
 def test_what_a_question_prints_is_shown(hans: Path) -> None:
     result = call("ask", hans, 'on_top_of(sweater, X), format("on ~w\\x1b\\[31m~n", [X])')
     assert result == Result(YES, "on heater\\x1b[31m\nX = heater\n", "")

@@ -144,4 +144,4 @@ def test_rules_and_columns_agree_on_the_samples(engine: PrologEngine, root: Path
     it = Scene.load(root / "kb" / "scenes" / f"{name}.json")
     found = by_columns(ground(it))
     assert not differences(by_rules(engine, it), found)
-    assert all(found[relation] for relation in ("on_top_of", "near", "left_of"))
+    assert all(found[relation] for relation in ("on_top_of", "near"))

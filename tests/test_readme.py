@@ -16,6 +16,7 @@ import pytest
 
 from commands import run
 from deixis import Scene
+from deixis.cli import questions  # noqa: F401 - adds its commands
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from readme import README, blocks, check, shown_after
@@ -54,8 +55,9 @@ def test_python_prints_what_the_readme_shows(root: Path) -> None:
 
 
 def test_prolog_answers_what_the_readme_shows(root: Path) -> None:
-    rule, _ = blocks("prolog")
-    assert f"\n{rule['text']}\n" in (root / "rules" / "commonsense.pl").read_text(encoding="utf-8")
+    rule, _, own = blocks("prolog")
+    for block, name in ((rule, "commonsense"), (own, "safety")):
+        assert f"\n{block['text']}\n" in (root / "rules" / f"{name}.pl").read_text(encoding="utf-8")
     command, *dialogue = shown_after(rule)["text"].splitlines()
     # At a terminal, ; asks for the next answer; in a pipe it is a line of its own and not echoed.
     typed, answers = "", []
@@ -74,7 +76,7 @@ def test_prolog_answers_what_the_readme_shows(root: Path) -> None:
 
 
 def test_rules_of_ones_own_are_checked_as_the_readme_shows(tmp_path: Path) -> None:
-    _, own = blocks("prolog")
+    _, own, _ = blocks("prolog")
     (tmp_path / "my.pl").write_text(own["text"], encoding="utf-8")
     assert run("relations", SCENE, "--rules", tmp_path / "my.pl", "--relation", "rests_on").code == 0
     (tmp_path / "my.pl").write_text(own["text"].replace("on_top_of", "on_topof", 1), encoding="utf-8")

@@ -304,10 +304,8 @@ class PrologEngine:
         try:
             if len(text) < _LARGE:
                 return result(self._exchange(child, f"load({text})", _LOAD_WITHIN))
-            # Prolog reads a file twice as fast as a string.
-            with tempfile.NamedTemporaryFile(
-                "w", encoding="utf-8", prefix="deixis-", suffix=".facts"
-            ) as file:
+            # Prolog reads a file faster than a string, which is copied on its way.
+            with tempfile.NamedTemporaryFile("w", encoding="utf-8", prefix="deixis-") as file:
                 file.write(f"{text} .\n")
                 file.flush()
                 return result(self._exchange(child, f"load_file({atom(file.name)})", _LOAD_WITHIN))

@@ -20,7 +20,7 @@ SAME: Final = frozenset({"==", "\\==", "=", "\\="})
 r"""Comparisons of names or strings, all of them bound: so ``=`` is ``==`` and ``\=`` is ``\==``."""
 
 VIOLATIONS: Final = frozenset({("violation", 2), ("violation", 3)})
-"""Predicates that several files of the user's may define together: what breaks which rule (decision 0022)."""
+"""Predicates that several files of the user's may define together: what breaks which rule (decision 0020)."""
 
 
 @dataclass(frozen=True, slots=True)

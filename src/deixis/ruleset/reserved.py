@@ -10,8 +10,11 @@ from deixis.ruleset.clauses import Clause, Lines, clauses
 from deixis.ruleset.model import Indicator
 from deixis.ruleset.syntax import Raw, SyntaxProblem, read_clause
 
-PROLOG_ONLY = ("axioms", "verbalise", "explain", "shell", "guess", "manual")
+PROLOG_ONLY = ("axioms", "verbalise", "explain")
 """Files of the theory that are ordinary Prolog, outside the subset; what they export is taken."""
+
+SHELL = ("shell", "guess", "manual")
+"""The same of the shell."""
 
 
 def reserved(predicate: Indicator) -> str:
@@ -36,7 +39,7 @@ def _system() -> frozenset[str]:
 @cache
 def _exports() -> dict[Indicator, str]:
     found = {}
-    for stem in PROLOG_ONLY:
+    for stem in (*PROLOG_ONLY, *SHELL):
         path = rules_dir() / f"{stem}.pl"
         text = path.read_text(encoding="utf-8")
         first = next(iter(clauses(text, Lines(path, text))))
