@@ -117,7 +117,8 @@ def test_several_scenes_are_kept_apart(hans: Path, root: Path) -> None:
         "aggregate_all(count, threshold(_, _), N)",
         "near(floor, X)",
     ]
-    told = run("shell", hans, other, "--rules", "support", stdin="".join(f"once({one}).\n" for one in goals))
+    asked = "".join(f"once(({one})).\n" for one in goals)
+    told = run("shell", hans, other, "--rules", "support", stdin=asked)
     assert told.code == 0
     assert told.out.startswith("Deixis: 16 objects, 5 surfaces, 4 views, ")
     assert "X = held." in told.out
