@@ -70,7 +70,8 @@ add_fact(Fact) :- assertz(facts:Fact).
 index_pairs :-
     ignore(facts:pair('', _, _, _, _, _, _, _, _)),
     ignore(facts:pair(_, '', _, _, _, _, _, _, _)),
-    ignore(facts:figure_reference('', '')).
+    ignore(facts:figure_reference('', _)),
+    ignore(facts:figure_reference(_, '')).
 
 %   keep_answers(+Argument): the argument table:Arity:Name asks for tables, so that recursion ends.
 

@@ -75,6 +75,18 @@ def test_installed_demo_runs_from_another_directory(installed: Path, tmp_path: P
     assert "affixed on" in run(installed / "bin" / "deixis", "demo", cwd=tmp_path)
 
 
+def test_installed_rule_files_are_found_by_name(installed: Path, tmp_path: Path) -> None:
+    scene = (
+        next(installed.resolve().glob("lib/python3*/site-packages"))
+        / "deixis"
+        / "kb"
+        / "scenes"
+        / "kitchen.json"
+    )
+    told = run(installed / "bin" / "deixis", "check", scene, "--rules", "safety", cwd=tmp_path)
+    assert told == "5 rules checked on 77 things: no violation\n"
+
+
 def test_checkout_reads_its_own_files(root: Path) -> None:
     assert (_files.rules_dir(), _files.kb_dir()) == (root / "rules", root / "kb")
 
