@@ -180,6 +180,11 @@ class KnowledgeBase:
         views = [(view.id, view.label) for view in self.scene.views]
         return facts_text(self.facts, views, readable=readable)
 
+    @property
+    def rule_files(self) -> tuple[Path, ...]:
+        """Return the user's rule files."""
+        return self._rules
+
     @cached_property
     def ruleset(self) -> Ruleset:
         """Return the rules, read and checked.

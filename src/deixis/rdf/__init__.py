@@ -1,14 +1,22 @@
-"""The rules as SPARQL in a triple store; needs the extra ``rdf``."""
+"""Scenes and rules as RDF: exported, imported, derived in a triple store; needs the extra ``rdf``."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Final
 
 from deixis.rdf.sparql import constructs
 
+if TYPE_CHECKING:
+    from deixis.rdf.executor import SparqlExecutor
+
 __all__ = ["SparqlExecutor", "constructs"]
 
-try:
-    from deixis.rdf.executor import SparqlExecutor
-except ModuleNotFoundError as error:
-    if error.name != "pyoxigraph":
-        raise
-    from deixis.errors import MissingDependency
+_HOMES: Final = {"SparqlExecutor": "deixis.rdf.executor"}
 
-    raise MissingDependency("SPARQL needs pyoxigraph: pip install 'deixis[rdf]'") from None
+
+def __getattr__(name: str) -> object:
+    # Loaded on first use: what only writes rules or the ontology needs no triple store.
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
