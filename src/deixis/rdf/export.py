@@ -60,8 +60,10 @@ def nquads(kb: Knowledge) -> bytes:
     >>> from deixis.knowledge import KnowledgeBase
     >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
     ...     lines = nquads(kb).decode().splitlines()
-    >>> print(next(line for line in lines if ":onTopOf>" in line).replace("urn:deixis:", ""))
-    <scene:hans:thing:extinguisher2> <term:onTopOf> <scene:hans:thing:floor> <scene:hans> .
+    >>> for line in lines:
+    ...     if "sweater> <urn:deixis:term:onTopOf>" in line:
+    ...         print(line.replace("urn:deixis:", ""))
+    <scene:hans:thing:sweater> <term:onTopOf> <scene:hans:thing:heater> <scene:hans> .
     """
     return serialised(quads(kb), ox.RdfFormat.N_QUADS)
 

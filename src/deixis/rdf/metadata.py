@@ -15,7 +15,8 @@ from deixis.rdf.layout import TERM
 from deixis.rdf.names import SceneNames
 from deixis.rdf.namespaces import DCTERMS, PROV, SOSA, XSD
 from deixis.rdf.quads import GraphWriter
-from deixis.rdf.scene import IDENTIFIER, write_scene
+from deixis.rdf.scene import write_scene
+from deixis.rdf.terms import IDENTIFIER
 
 ENGINE: Final = f"urn:deixis:engine:{__version__}"
 RULES: Final = "urn:deixis:rules:"

@@ -15,27 +15,10 @@ from deixis.facts import SolidModel
 from deixis.frames import Array
 from deixis.rdf.layout import TERM
 from deixis.rdf.names import SceneNames
-from deixis.rdf.namespaces import DCTERMS, GEO, RDFS
+from deixis.rdf.namespaces import GEO
 from deixis.rdf.quads import GraphWriter
+from deixis.rdf.terms import BOX_NUMBERS, IDENTIFIER, LABEL, POSITION_NUMBERS, THRESHOLDS
 from deixis.scene import BoxRegion, MeshRegion, PointRegion, Region, Scene, SpatialObject, SurfaceRegion
-
-IDENTIFIER: Final = DCTERMS + "identifier"
-LABEL: Final = RDFS + "label"
-
-BOX_NUMBERS: Final = ("centerX", "centerY", "centerZ", "sizeX", "sizeY", "sizeZ")
-"""The numbers of a box, metres, in the order of center and size in a scene file."""
-
-POSITION_NUMBERS: Final = ("positionX", "positionY", "positionZ")
-
-THRESHOLDS: Final = {
-    "granularity": "granularity",
-    "penetration": "penetration",
-    "closeness": "closeness",
-    "halfspace_scale": "halfspaceScale",
-    "pose_noise": "poseNoise",
-    "piece_gap": "pieceGap",
-}
-"""Threshold to its property."""
 
 # The six faces of a box by its corners, which are counted in binary: x, y, z low or high; outwards.
 _FACES: Final = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
@@ -48,6 +31,7 @@ def write_things(
     for position, thing in enumerate(scene.objects):
         iri = names.thing(thing.id)
         to.typed(iri, TERM + "SpatialObject")
+        to.link(iri, TERM + "ofScene", names.scene)
         if thing.kind == "surface":
             to.typed(iri, TERM + "Surface")
         to.text(iri, IDENTIFIER, thing.id)
