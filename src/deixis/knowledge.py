@@ -23,7 +23,7 @@ from deixis.vocabulary import BASE, RELATIONS
 
 if TYPE_CHECKING:
     from deixis.engines import Engine, Found
-    from deixis.explain import Answer
+    from deixis.explain import Answer, Proof
     from deixis.prolog import Answers, PrologEngine
     from deixis.ruleset import Indicator, Ruleset
 
@@ -331,6 +331,39 @@ class KnowledgeBase:
             name = reply["unknown"]
             raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{_hint(name, known)}")
         return Answer.from_dict({**reply, "measured_as": self.measured_as})
+
+    def proofs(
+        self, *, relation: Iterable[str] | None = None, timeout: float = 300.0
+    ) -> dict[tuple[str, ...], Proof]:
+        """Return the shortest proof of all that holds, by the relation's name and its arguments.
+
+        Parameters
+        ----------
+        relation : iterable of str, optional
+            As for :meth:`relations`.
+        timeout : float
+            Seconds.
+
+        Raises
+        ------
+        QueryError, QueryTimeout, RuleError
+            As :meth:`relations`.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     kb.proofs(relation=["leans_on"])["leans_on", "extinguisher2", "wall"].axiom
+        37
+        """
+        from deixis.explain import Proof
+        from deixis.prolog import Atom
+
+        names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
+        wanted: list[Any] = [[Atom(name), arity] for one in names for name, arity in self._predicates(one)]
+        found: Any = self.engine.call("proofs", *wanted, timeout=timeout)
+        proofs = map(Proof.from_dict, found)
+        return {(one.predicate, *map(str, one.args)): one for one in proofs}
 
     def check_view(self, view: str) -> None:
         """Raise :class:`QueryError` unless the scene has this view."""

@@ -11,7 +11,16 @@ import typer
 
 from deixis import __version__
 from deixis.cli import rules as rules_commands
-from deixis.cli.output import Format, printable, printable_lines, records, write_csv, write_json, write_table
+from deixis.cli.output import (
+    Format,
+    RelationFormat,
+    printable,
+    printable_lines,
+    records,
+    write_csv,
+    write_json,
+    write_table,
+)
 
 if TYPE_CHECKING:
     from deixis.knowledge import KnowledgeBase
@@ -52,6 +61,8 @@ Seconds = Annotated[float, typer.Option("--timeout", min=0.001, help="Seconds be
 RuleFiles = Annotated[
     list[Path] | None, typer.Option("--rules", metavar="FILE", help="Your own rules; may be repeated.")
 ]
+
+RDF_FORMATS = (RelationFormat.TTL, RelationFormat.TRIG, RelationFormat.NQ, RelationFormat.JSONLD)
 
 RELATION_COLUMNS = ("relation", "figure", "reference", "view", "margin")
 
@@ -114,7 +125,9 @@ def relations(
     view: Annotated[str | None, typer.Option(help="Only this view's horizontal relations.")] = None,
     relation: Annotated[list[str] | None, typer.Option(help="Only this relation; may be repeated.")] = None,
     region: RegionOption = Region.BOX,
-    output: Annotated[Format, typer.Option("--format", help="How to print them.")] = Format.TABLE,
+    output: Annotated[
+        RelationFormat, typer.Option("--format", help="How to print them.")
+    ] = RelationFormat.TABLE,
     timeout: Seconds = 60.0,
     rules: RuleFiles = None,
     engine: Annotated[
@@ -124,7 +137,7 @@ def relations(
     """Print the relations that hold in a scene, each with its margin in metres."""
     with _open(scene, region, rules) as kb:
         found = kb.relations(view=view, relation=relation, timeout=timeout, engine=engine.value)
-        if output is Format.JSON:
+        if output is RelationFormat.JSON:
             write_json(
                 {
                     "scene": kb.scene.id,
@@ -133,15 +146,19 @@ def relations(
                     "withheld": [one.to_dict() for one in kb.withheld if view in (None, one.view)],
                 }
             )
-        elif output is Format.PL:
+        elif output is RelationFormat.PL:
             for one in found:
                 sys.stdout.write(one.to_prolog() + ".\n")
+        elif output in RDF_FORMATS:
+            from deixis.rdf.export import relations_text
+
+            sys.stdout.write(relations_text(kb, found, output.value))
         else:
             rows = records(RELATION_COLUMNS, [one.to_dict() for one in found])
-            (write_csv if output is Format.CSV else write_table)(RELATION_COLUMNS, rows)
+            (write_csv if output is RelationFormat.CSV else write_table)(RELATION_COLUMNS, rows)
         noise = kb.scene.thresholds.pose_noise
         unsure = sum(one.margin is not None and one.margin < noise for one in found)
-        if output is Format.TABLE and unsure:
+        if output is RelationFormat.TABLE and unsure:
             _warn([f"{unsure} of {len(found)} hold by less than the pose noise of {noise * 100:g} cm"])
     if not found:
         raise typer.Exit(1)
@@ -251,10 +268,32 @@ def shell(scene: ScenePath, region: RegionOption = Region.BOX, rules: RuleFiles 
     exec_shell([*theory_files(), *(rules or ())], kb.facts_text(readable=False), tabled)
 
 
+@app.command()
+def export(
+    scene: ScenePath,
+    target: Annotated[
+        Path,
+        typer.Option(
+            "-o", "--output", metavar="FILE", help="What to write: .trig, .nq, .jsonld, .ttl or .nt."
+        ),
+    ],
+    region: RegionOption = Region.BOX,
+    view: Annotated[str | None, typer.Option(help="Only this view's horizontal relations.")] = None,
+    proofs: Annotated[bool, typer.Option(help="By which steps each relation was derived.")] = True,
+    rules: RuleFiles = None,
+) -> None:
+    """Write a scene with all that follows from it as RDF, in the format of the file's ending."""
+    from deixis.rdf.export import save
+
+    with _open(scene, region, rules) as kb:
+        count = save(kb, target, proofs=proofs, view=view)
+    print(f"{target}: {count} quads", file=sys.stderr)
+
+
 @app.command(name="import")
 def import_(
     name: Annotated[
-        str, typer.Argument(metavar="FORMAT", help="deixis, ithor, virtualhome, or an added one.")
+        str, typer.Argument(metavar="FORMAT", help="deixis, ithor, rdf, virtualhome, or an added one.")
     ],
     path: Annotated[
         str, typer.Argument(metavar="FILE", help="The file; for several scenes in one, FILE#SCENE.")

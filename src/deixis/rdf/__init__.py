@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Final
 from deixis.rdf.sparql import constructs
 
 if TYPE_CHECKING:
+    from deixis.rdf.bridge import dataset
     from deixis.rdf.executor import SparqlExecutor
 
-__all__ = ["SparqlExecutor", "constructs"]
+__all__ = ["SparqlExecutor", "constructs", "dataset"]
 
-_HOMES: Final = {"SparqlExecutor": "deixis.rdf.executor"}
+_HOMES: Final = {"SparqlExecutor": "deixis.rdf.executor", "dataset": "deixis.rdf.bridge"}
 
 
 def __getattr__(name: str) -> object:

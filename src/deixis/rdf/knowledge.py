@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
@@ -37,6 +37,35 @@ class Notice(Protocol):
     def reason(self) -> str: ...  # noqa: D102
 
 
+class Place(Protocol):
+    """Where a rule stands: see :class:`deixis.explain.Rule`."""
+
+    @property
+    def file(self) -> str: ...  # noqa: D102
+    @property
+    def line(self) -> int: ...  # noqa: D102
+
+
+class Step(Protocol):
+    """One step of a proof: see :class:`deixis.explain.Proof`."""
+
+    @property
+    def kind(self) -> str: ...  # noqa: D102
+    @property
+    def predicate(self) -> str: ...  # noqa: D102
+    @property
+    def args(self) -> tuple[str | float | None, ...]: ...  # noqa: D102
+    @property
+    def text(self) -> str: ...  # noqa: D102
+    @property
+    def margin(self) -> float | None: ...  # noqa: D102
+    @property
+    def axiom(self) -> int | None: ...  # noqa: D102
+    @property
+    def rule(self) -> Place | None: ...  # noqa: D102
+    def reasons(self) -> Iterator[Step]: ...  # noqa: D102
+
+
 class Knowledge(Protocol):
     """A scene with all that follows from it: see :class:`deixis.knowledge.KnowledgeBase`."""
 
@@ -53,4 +82,7 @@ class Knowledge(Protocol):
     def measured_as(self) -> Mapping[str, SolidModel]: ...  # noqa: D102
     @property
     def withheld(self) -> Sequence[Notice]: ...  # noqa: D102
-    def relations(self, *, relation: Iterable[str] | None = ...) -> Sequence[Holds]: ...  # noqa: D102
+    def relations(  # noqa: D102
+        self, *, view: str | None = ..., relation: Iterable[str] | None = ...
+    ) -> Sequence[Holds]: ...
+    def proofs(self, *, relation: Iterable[str] | None = ...) -> Mapping[tuple[str, ...], Step]: ...  # noqa: D102

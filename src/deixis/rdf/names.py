@@ -16,6 +16,7 @@ from typing import Final
 from urllib.parse import quote
 
 from deixis.rdf.layout import ID
+from deixis.rdf.namespaces import PREFIXES
 
 SCENE: Final = "urn:deixis:scene:"
 
@@ -59,6 +60,11 @@ class SceneNames:
     def view(self, name: str) -> str:
         """Return the IRI of a view, and of the graph of what holds in it."""
         return f"{self.scene}:view:{quote(name, safe='')}"
+
+    def prefixes(self) -> dict[str, str]:
+        """Return prefixes for Turtle and for queries: the vocabularies', and this scene's own."""
+        parts = {"thing": "thing:", "view": "view:", "derived": "derivations:", "scene": ""}
+        return PREFIXES | {prefix: f"{self.scene}:{part}" for prefix, part in parts.items()}
 
     def named(self, name: str) -> str:
         """Return the IRI of any name: of the thing or else the view of that id, or of a mere name."""

@@ -5,7 +5,7 @@ All that a scene file says is here, so that a scene can be read back (:mod:`deix
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Final
 
 import numpy as np
@@ -30,11 +30,8 @@ def write_things(
     """Write the things of a scene and what they were measured as."""
     for position, thing in enumerate(scene.objects):
         iri = names.thing(thing.id)
-        to.typed(iri, TERM + "SpatialObject")
+        _named(to, iri, thing)
         to.link(iri, TERM + "ofScene", names.scene)
-        if thing.kind == "surface":
-            to.typed(iri, TERM + "Surface")
-        to.text(iri, IDENTIFIER, thing.id)
         to.whole(iri, TERM + "ordinal", position)
         to.text(iri, TERM + "measuredAs", measured_as[thing.id])
         _labels(to, iri, thing)
@@ -44,6 +41,13 @@ def write_things(
         box = f"{iri}:box"
         to.link(iri, TERM + "minBoundBox", box)
         _min_bound_box(to, box, scene.boxes, position, names.frame)
+
+
+def write_named(to: GraphWriter, scene: Scene, names: SceneNames, some: Collection[str]) -> None:
+    """Write of some things only what they are called."""
+    for thing in scene.objects:
+        if thing.id in some:
+            _named(to, names.thing(thing.id), thing)
 
 
 def write_scene(to: GraphWriter, scene: Scene, names: SceneNames) -> None:
@@ -70,9 +74,16 @@ def write_scene(to: GraphWriter, scene: Scene, names: SceneNames) -> None:
             to.number(iri, TERM + "stamp", view.stamp)
 
 
-def _labels(to: GraphWriter, iri: str, thing: SpatialObject) -> None:
+def _named(to: GraphWriter, iri: str, thing: SpatialObject) -> None:
+    to.typed(iri, TERM + "SpatialObject")
+    if thing.kind == "surface":
+        to.typed(iri, TERM + "Surface")
+    to.text(iri, IDENTIFIER, thing.id)
     if thing.label:
         to.text(iri, LABEL, thing.label)
+
+
+def _labels(to: GraphWriter, iri: str, thing: SpatialObject) -> None:
     for rank, label in enumerate(thing.labels):
         node = f"{iri}:label:{rank}"
         to.link(iri, TERM + "recognised", node)
