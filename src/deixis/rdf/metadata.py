@@ -5,10 +5,10 @@ from __future__ import annotations
 import hashlib
 from datetime import UTC, datetime
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from typing import Final
 
-from deixis import __version__
 from deixis._files import rules_dir
 from deixis.rdf.knowledge import Knowledge
 from deixis.rdf.layout import TERM
@@ -18,7 +18,8 @@ from deixis.rdf.quads import GraphWriter
 from deixis.rdf.scene import write_scene
 from deixis.rdf.terms import IDENTIFIER
 
-ENGINE: Final = f"urn:deixis:engine:{__version__}"
+VERSION: Final = version("deixis")
+ENGINE: Final = f"urn:deixis:engine:{VERSION}"
 RULES: Final = "urn:deixis:rules:"
 
 _RULE_FILES: Final = ("facts", "topology", "direction", "commonsense")
@@ -84,7 +85,7 @@ def _run(to: GraphWriter, kb: Knowledge, names: SceneNames) -> None:
     to.link(association, PROV + "agent", ENGINE)
     to.typed(ENGINE, PROV + "SoftwareAgent")
     to.text(ENGINE, IDENTIFIER, "deixis")
-    to.text(ENGINE, DCTERMS + "hasVersion", __version__)
+    to.text(ENGINE, DCTERMS + "hasVersion", VERSION)
     for path in (*(rules_dir() / f"{name}.pl" for name in _RULE_FILES), *kb.rule_files):
         plan = RULES + _digest(path)
         to.link(association, PROV + "hadPlan", plan)
