@@ -78,6 +78,14 @@ class EngineName(StrEnum):
     SPARQL = "sparql"
 
 
+class OntologyFormat(StrEnum):
+    """Formats of the ontology."""
+
+    TTL = "ttl"
+    OWL = "owl"
+    NT = "nt"
+
+
 class TextOrJson(StrEnum):
     """Output formats of answers and explanations."""
 
@@ -317,6 +325,21 @@ def schema() -> None:
     from deixis.scene import scene_schema
 
     write_json(scene_schema())
+
+
+@app.command()
+def ontology(
+    term: Annotated[
+        str | None, typer.Argument(metavar="[TERM]", help="Only this: onTopOf, urn:deixis:term:onTopOf.")
+    ] = None,
+    output: Annotated[
+        OntologyFormat, typer.Option("--format", help="Turtle, RDF/XML or N-Triples.")
+    ] = OntologyFormat.TTL,
+) -> None:
+    """Print the ontology of what is exported, or what it says of one term."""
+    from deixis.rdf import ontology as texts
+
+    sys.stdout.write(texts.ontology(output.value) if term is None else texts.definition(term) + "\n")
 
 
 @app.command()
