@@ -16,7 +16,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from deixis._files import write_whole
-from deixis.errors import QueryError
+from deixis.errors import QueryError, SceneError
 from deixis.rdf.derivations import write_derivations
 from deixis.rdf.formats import DATASETS, FORMATS, ending
 from deixis.rdf.knowledge import Holds, Knowledge
@@ -26,6 +26,7 @@ from deixis.rdf.oxigraph import ox
 from deixis.rdf.quads import GraphWriter, in_order
 from deixis.rdf.relations import names_of, relation_names, write_relations
 from deixis.rdf.scene import write_named, write_things
+from deixis.strict_json import quoted
 
 
 def graph_names(kb: Knowledge) -> dict[str, str]:
@@ -151,10 +152,16 @@ def save(kb: Knowledge, path: Path, *, proofs: bool = True, view: str | None = N
         The ending names no format.
     QueryError
         The format cannot hold what is seen from several views.
+    SceneError
+        The file cannot be written.
     """
     form = ending(path)
     found = quads(kb, proofs=proofs, view=view)
-    write_whole(path, serialised(found, form, names_of(kb)))
+    text = serialised(found, form, names_of(kb))
+    try:
+        write_whole(path, text)
+    except OSError as cause:
+        raise SceneError(f"{quoted(str(path), 200)} cannot be written: {cause.strerror}") from cause
     return len(found)
 
 

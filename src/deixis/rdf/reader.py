@@ -127,9 +127,8 @@ class _Statements:
         try:
             return float(value)
         except ValueError as cause:
-            raise ReaderError(
-                f"{self._what}: {node} has {quoted(value)} for {predicate}: no number"
-            ) from cause
+            wrong = f"{node} has {quoted(value)} for {predicate}: give a number"
+            raise ReaderError(f"{self._what}: {wrong}") from cause
 
 
 def _scene(said: _Statements, node: str) -> Scene:
