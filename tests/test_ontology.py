@@ -1,4 +1,4 @@
-"""The ontology says what the vocabulary, the rules and the export say, and nothing that geometry does not keep."""
+"""The ontology says what the vocabulary, the rules and the export say, and nothing geometry does not keep."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_every_term_has_its_axiom_its_predicate_and_a_definition() -> None:
     assert found == sorted((TERM + term.rdf, str(term.axiom), f"{term.name}/{term.arity}") for term in TERMS)
 
 
-def test_every_word_of_an_export_is_declared(tmp_path: Path) -> None:
+def test_every_word_of_an_export_is_declared() -> None:
     rich = scene(
         {"id": "cloud", "points": [[0, 0, 0], [0.05, 0, 0], [0, 0.05, 0.05]]},
         {"id": "mesh", "mesh": {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]]}},

@@ -97,7 +97,7 @@ class Proof:
         >>> Proof("rule", "touches", (), "they touch", 0.01, 16, None, True, (leaf,)).sentence()
         'They touch, because the gap is 1 cm.'
         """
-        reasons = [child.text for child in self.reasons() if child.predicate != "figure_reference"]
+        reasons = [child.text for child in self._shown_children() if child.predicate != "figure_reference"]
         head = self.text[:1].upper() + self.text[1:]
         if not reasons:
             return head + "."
@@ -110,20 +110,20 @@ class Proof:
         for child in self.children:
             yield from child.things()
 
-    def reasons(self) -> Iterator[Proof]:
-        """Yield the nearest shown reasons below this step; a negation says its own."""
+    def _shown_children(self) -> Iterator[Proof]:
+        """Yield the nearest shown reasons below this step."""
         if self.kind == "negation":
             return
         for child in self.children:
             if child.shown:
                 yield child
             else:
-                yield from child.reasons()
+                yield from child._shown_children()
 
     def _lines(self, depth: int) -> Iterator[str]:
         axiom = f"  [axiom {self.axiom}]" if self.kind == "rule" and self.axiom is not None else ""
         yield "  " * depth + self.text + axiom
-        for child in self.reasons():
+        for child in self._shown_children():
             yield from child._lines(depth + 1)
 
 

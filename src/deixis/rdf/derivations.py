@@ -6,7 +6,7 @@ the graph; any other is a step of its own, down to what was measured.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Final
 
 from deixis.rdf.knowledge import Holds, Step
@@ -61,10 +61,9 @@ def _step(to: GraphWriter, iri: str, step: Step, holds: Collection[Key], names: 
     if step.rule is not None:
         to.text(iri, TERM + "ruleFile", step.rule.file)
         to.whole(iri, TERM + "ruleLine", step.rule.line)
-    for number, reason in enumerate(step.reasons(), 1):
-        key = (reason.predicate, *map(str, reason.args))
-        if reason.kind == "rule" and key in holds:
-            to.link(iri, TERM + "premise", _derivation(key, names))
+    for number, reason in enumerate(_reasons(step, holds), 1):
+        if _is_relation(reason, holds):
+            to.link(iri, TERM + "premise", _derivation(_key(reason), names))
             continue
         premise = f"{iri}:premise:{number}"
         to.link(iri, TERM + "premise", premise)
@@ -77,3 +76,22 @@ def _step(to: GraphWriter, iri: str, step: Step, holds: Collection[Key], names: 
         if len(lengths) == 1:
             to.number(premise, TERM + "value", lengths[0])
         _step(to, premise, reason, holds, names)
+
+
+def _reasons(step: Step, holds: Collection[Key]) -> Iterator[Step]:
+    """Yield the nearest reasons that are relations or that a person needs; what is absent says its own."""
+    if step.kind == "negation":
+        return
+    for child in step.children:
+        if child.shown or _is_relation(child, holds):
+            yield child
+        else:
+            yield from _reasons(child, holds)
+
+
+def _is_relation(step: Step, holds: Collection[Key]) -> bool:
+    return step.kind == "rule" and _key(step) in holds
+
+
+def _key(step: Step) -> Key:
+    return (step.predicate, *map(str, step.args))

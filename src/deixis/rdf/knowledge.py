@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
@@ -63,7 +63,10 @@ class Step(Protocol):
     def axiom(self) -> int | None: ...  # noqa: D102
     @property
     def rule(self) -> Place | None: ...  # noqa: D102
-    def reasons(self) -> Iterator[Step]: ...  # noqa: D102
+    @property
+    def shown(self) -> bool: ...  # noqa: D102
+    @property
+    def children(self) -> Sequence[Step]: ...  # noqa: D102
 
 
 class Knowledge(Protocol):
