@@ -65,7 +65,7 @@ def quads(kb: Knowledge, *, proofs: bool = True, view: str | None = None) -> lis
     write_things(scene, kb.scene, names, kb.measured_as)
     write_metadata(metadata, kb, names)
     write_derivations(derivations, found, names, kb.proofs(relation=asked) if proofs else None)
-    return _joined([scene, metadata, derivations, *write_relations(found, names)])
+    return _joined([scene, metadata, derivations], found, names)
 
 
 def relation_quads(kb: Knowledge, found: Sequence[Holds]) -> list[ox.Quad]:
@@ -74,7 +74,7 @@ def relation_quads(kb: Knowledge, found: Sequence[Holds]) -> list[ox.Quad]:
     scene, derivations = GraphWriter(names.scene), GraphWriter(names.derivations)
     write_named(scene, kb.scene, names, {name for one in found for name in (one.figure, one.reference)})
     write_derivations(derivations, found, names)
-    return _joined([scene, derivations, *write_relations(found, names)])
+    return _joined([scene, derivations], found, names)
 
 
 def nquads(kb: Knowledge, *, proofs: bool = True) -> bytes:
@@ -165,5 +165,8 @@ def save(kb: Knowledge, path: Path, *, proofs: bool = True, view: str | None = N
     return len(found)
 
 
-def _joined(graphs: Iterable[GraphWriter]) -> list[ox.Quad]:
-    return in_order(quad for graph in graphs for quad in graph.quads)
+def _joined(some: Iterable[GraphWriter], found: Iterable[Holds], names: SceneNames) -> list[ox.Quad]:
+    """Return the quads of some graphs and of some relations, graph by graph."""
+    graphs = {one.graph: one for one in some}
+    write_relations(graphs, found, names)
+    return [quad for graph in sorted(graphs) for quad in graphs[graph].quads]

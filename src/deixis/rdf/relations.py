@@ -47,9 +47,8 @@ def relation_iri(one: Holds) -> str:
     return term((one.relation, arity))
 
 
-def write_relations(found: Iterable[Holds], names: SceneNames) -> Iterable[GraphWriter]:
-    """Return the graphs that hold some relations."""
-    graphs: dict[str, GraphWriter] = {}
+def write_relations(graphs: dict[str, GraphWriter], found: Iterable[Holds], names: SceneNames) -> None:
+    """Write relations into their graphs, which are added where they are not there yet."""
     for one in found:
         graph = graph_of(one, names)
         to = graphs.get(graph)
@@ -63,4 +62,3 @@ def write_relations(found: Iterable[Holds], names: SceneNames) -> Iterable[Graph
         to.typed(row, relation)
         for place, value in enumerate((figure, reference, names.named(one.view)), 1):
             to.link(row, f"{relation}.{place}", value)
-    return graphs.values()
