@@ -469,3 +469,47 @@ def test_nothing_found_is_an_empty_dataset_and_no(tmp_path: Path) -> None:
         done = call("relations", path, "--format", form)
         assert done.code == 1
         assert ox.Store().load(done.out.encode(), format=FORMATS[form]) is None
+
+
+# Without pyoxigraph
+
+
+def without(module: str, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """Run a command in a process that cannot import a module."""
+    script = f"import sys; sys.modules[{module!r}] = None\nfrom deixis.cli import main\nsys.exit(main())"
+    return subprocess.run(
+        [sys.executable, "-c", script, *arguments],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+    )
+
+
+def test_what_needs_a_triple_store_says_how_to_get_one(tmp_path: Path) -> None:
+    source = ROOT / "kb" / "scenes" / "hans.json"
+    for arguments in (
+        ("export", source, "-o", tmp_path / "x.nq"),
+        ("relations", source, "--format", "nq"),
+        ("relations", source, "--engine", "sparql"),
+        ("import", "rdf", source, "-o", tmp_path / "x.json"),
+    ):
+        done = without("pyoxigraph", *arguments)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr == "deixis: RDF needs pyoxigraph: pip install 'deixis[rdf]'\n"
+
+
+def test_what_needs_none_works_without(tmp_path: Path) -> None:
+    assert without("pyoxigraph", "ontology", "onTopOf").stdout.startswith(":onTopOf a owl:ObjectProperty")
+    assert without("pyoxigraph", "rules", "compile", "--to", "sparql").returncode == 0
+    script = (
+        "import sys; sys.modules['pyoxigraph'] = None\n"
+        "from deixis.readers import sniff\n"
+        "print(*map(sniff, sys.argv[1:]))"
+    )
+    export = tmp_path / "scene.nq"
+    with KnowledgeBase(scene(floor())) as kb:
+        save(kb, export)
+    command = [sys.executable, "-c", script, export, ROOT / "kb" / "ontology.ttl", ROOT / "README.md"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout == "rdf None None\n"

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from deixis.errors import ReaderError
 from deixis.rdf.layout import TERM
+from deixis.rdf.names import SCENE
 from deixis.rdf.namespaces import RDF
 from deixis.rdf.terms import BOX_NUMBERS, IDENTIFIER, LABEL, POSITION_NUMBERS, THRESHOLDS
 from deixis.scene import Scene
@@ -53,7 +54,7 @@ def sniff(head: bytes) -> bool:
     >>> sniff(b'<urn:deixis:scene:hans:thing:sign> a <urn:deixis:term:SpatialObject> .')
     True
     """
-    return TERM.encode() in head
+    return SCENE.encode() in head
 
 
 class _Statements:
