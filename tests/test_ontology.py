@@ -360,7 +360,7 @@ def test_shacl_finds_exactly_the_planted_violations(figure_3: Scene) -> None:
     assert violations(Scene.from_dict({**data, "objects": data["objects"] + mended})) == []
 
 
-@pytest.mark.parametrize("name", ["study", "kitchen"])
+@pytest.mark.parametrize("name", ["study", pytest.param("kitchen", marks=pytest.mark.long)])
 def test_shacl_finds_nothing_in_the_other_samples(name: str) -> None:
     assert violations(Scene.load(KB / "scenes" / f"{name}.json")) == []
 

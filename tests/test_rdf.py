@@ -14,7 +14,7 @@ from pathlib import Path
 import pyoxigraph as ox
 import pytest
 import rdflib
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from commands import call
@@ -118,6 +118,7 @@ def test_all_kinds_of_regions_come_back_to_the_last_bit(tmp_path: Path) -> None:
     ]
 
 
+@settings(max_examples=20)
 @given(ids=st.lists(TEXT, min_size=4, max_size=4, unique=True), label=TEXT)
 def test_any_id_the_door_lets_in_survives(ids: list[str], label: str) -> None:
     name, table, cup, view = ids
@@ -149,6 +150,7 @@ def _read(text: bytes, form: str) -> tuple[Scene, ...]:
         return readers.read("rdf", path)
 
 
+@settings(max_examples=20)
 @given(world=worlds(most=4))
 def test_random_worlds_come_back_equal(world: World) -> None:
     given = world.scene()

@@ -123,14 +123,14 @@ def serialised(found: Iterable[ox.Quad], form: str, names: SceneNames) -> bytes:
     prefixes = names.prefixes() if form in ("trig", "ttl") else None
     text = ox.serialize(given, format=FORMATS[form], prefixes=prefixes)
     assert text is not None  # noqa: S101 - None is for output to a file
-    return _tidied(text)
+    return text if prefixes is None else _tidied(text)
 
 
 def _tidied(text: bytes) -> bytes:
     """Return a text with its prefixes sorted: their order is not the same from one run to the next."""
-    lines = text.split(b"\n")
-    count = next(at for at, line in enumerate([*lines, b""]) if not line.startswith(b"@prefix"))
-    return b"\n".join([*sorted(lines[:count]), *lines[count:]])
+    end = text.rfind(b"\n@prefix ") + 1
+    end = text.find(b"\n", end) + 1
+    return b"".join(sorted(text[:end].splitlines(keepends=True))) + text[end:]
 
 
 def relations_text(kb: Knowledge, found: Sequence[Holds], form: str) -> str:
