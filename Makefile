@@ -4,7 +4,7 @@ SCENE ?= kb/scenes/hans.json
 WORKERS ?= 2
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist loadfile
 LOCK := UV_CUSTOM_COMPILE_COMMAND="make lock" uv pip compile --quiet --universal --python-version 3.11 \
-	--generate-hashes --fork-strategy fewest --extra mesh pyproject.toml
+	--generate-hashes --fork-strategy fewest --all-extras pyproject.toml
 
 .PHONY: help setup demo shell doctor test test-long bench check lint rules wheel lock clean
 

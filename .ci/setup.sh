@@ -2,7 +2,8 @@
 # Usage: sh .ci/setup.sh REQUIREMENTS
 # Brings a machine that has only Python 3.11+ to where Deixis runs: SWI-Prolog, .venv, the pinned
 # REQUIREMENTS, and this checkout installed in it. Does nothing that is done already. PYTHON chooses the interpreter.
-# With POSTGIS=install also PostgreSQL with PostGIS, which some tests compare with and skip without.
+# With POSTGIS=install also PostgreSQL with PostGIS, which some tests compare with and skip without; with
+# JAVA=install also a Java runtime, for those that ask an OWL reasoner.
 set -eu
 requirements=$1
 python=.venv/bin/python
@@ -96,6 +97,9 @@ if ! new_enough; then
 fi
 if [ "${POSTGIS:-}" = install ] && ! ls /usr/share/postgresql/*/extension/postgis_sfcgal.control >/dev/null 2>&1; then
     apt_install postgresql-postgis || say "PostGIS: $apt_said. The tests that compare with it are skipped."
+fi
+if [ "${JAVA:-}" = install ] && ! command -v java >/dev/null 2>&1; then
+    apt_install default-jre-headless || say "Java: $apt_said. The tests that ask an OWL reasoner are skipped."
 fi
 supported "$python" || make_venv
 say "Installing $requirements into .venv ..."

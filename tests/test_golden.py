@@ -11,11 +11,16 @@ import io
 import json
 import os
 from pathlib import Path
+from urllib.parse import quote
 
+import pyoxigraph as ox
 import pytest
 
 from commands import call, run
 from deixis import KnowledgeBase
+from deixis.rdf.export import nquads
+from deixis.rdf.formats import FORMATS
+from deixis.rdf.namespaces import PREFIXES
 from deixis.vocabulary import BY_NAME, RELATIONS, Term
 
 HERE = Path(__file__).resolve().parent / "golden"
@@ -34,6 +39,17 @@ GOAL = "(" + " ; ".join(
     for term in TERMS
 ) + ")"  # fmt: skip
 """A question whose answers are all rows of all relations: relation R, figure F, reference G, view V."""
+
+
+IN_RDF = """
+SELECT ?name ?figure ?reference ?view {
+  VALUES (?name ?relation) { TERMS }
+  GRAPH ?graph { ?one ?relation ?other }
+  GRAPH ?scene { ?one a :SpatialObject ; dcterms:identifier ?figure .
+                 ?other a :SpatialObject ; dcterms:identifier ?reference . }
+  OPTIONAL { GRAPH ?metadata { ?graph a :View ; dcterms:identifier ?view } }
+}""".replace("TERMS", " ".join(f'("{term.name}" :{term.rdf})' for term in TERMS))
+"""The same question to an export."""
 
 
 def header(term: Term) -> list[str]:
@@ -125,6 +141,41 @@ def test_questions(name: str) -> None:
     said = json.loads(result.out)
     assert not said["truncated"]
     assert gather([(one["R"], one["F"], one["G"], one["V"]) for one in said["answers"]]) == golden(name)
+
+
+def by_sparql(text: bytes, form: ox.RdfFormat) -> Rows:
+    store = ox.Store()
+    store.load(text, format=form)
+    found = store.query(IN_RDF, prefixes=PREFIXES)
+    return gather([tuple(None if one is None else one.value for one in row) for row in found])
+
+
+def test_sparql_over_the_export(name: str) -> None:
+    with KnowledgeBase.from_scene(SCENES[name]) as kb:
+        text = nquads(kb)
+    assert by_sparql(text, ox.RdfFormat.N_QUADS) == golden(name)
+
+
+@pytest.mark.parametrize("form", ["trig", "jsonld"])
+def test_command_line_rdf(name: str, form: str) -> None:
+    options = [word for relation in NAMES for word in ("--relation", relation)]
+    result = call("relations", SCENES[name], *options, "--format", form)
+    assert (result.code, result.err) == (0, "")
+    # What a view is called stands in an export's metadata.
+    views = {
+        f"urn:deixis:scene:{quote(scene['id'], safe='')}:view:{quote(view['id'], safe='')}": view["id"]
+        for scene in [json.loads(SCENES[name].read_text(encoding="utf-8"))]
+        for view in scene["views"]
+    }
+    named = "".join(
+        f"<{iri}> a <urn:deixis:term:View> ; <{PREFIXES['dcterms']}identifier> {json.dumps(view)} ."
+        for iri, view in views.items()
+    )
+    store = ox.Store()
+    store.load(result.out.encode(), format=FORMATS[form])
+    store.load(f"<urn:metadata> {{ {named} }}".encode(), format=ox.RdfFormat.TRIG)
+    found = store.query(IN_RDF, prefixes=PREFIXES)
+    assert gather([tuple(one and one.value for one in row) for row in found]) == golden(name)
 
 
 def test_prolog_shell(name: str) -> None:

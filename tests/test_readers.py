@@ -90,7 +90,7 @@ def test_others_can_add_readers_but_not_replace_ours(monkeypatch: pytest.MonkeyP
         ]
     )
     monkeypatch.setattr(readers, "entry_points", lambda group: points.select(group=group))
-    assert readers.formats() == ("deixis", "ithor", "virtualhome", "gone", "hollow", "mine")
+    assert readers.formats() == ("deixis", "ithor", "virtualhome", "rdf", "gone", "hollow", "mine")
     assert readers.read_one("mine", KB / "scenes" / "hans.json").id == "hans"
     assert readers.reader("ithor") is ithor
     with pytest.raises(ReaderError, match="deixis_no_such_module, cannot be loaded"):

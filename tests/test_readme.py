@@ -40,8 +40,9 @@ def test_commands_print_what_the_readme_shows(number: int, root: Path) -> None:
     check(shown_after(block), printed)
 
 
-def test_python_prints_what_the_readme_shows(root: Path) -> None:
-    (block,) = blocks("python")
+@pytest.mark.parametrize("number", range(len(blocks("python"))))
+def test_python_prints_what_the_readme_shows(number: int, root: Path) -> None:
+    block = blocks("python")[number]
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", block["text"]],
         cwd=root,

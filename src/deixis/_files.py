@@ -1,7 +1,8 @@
-"""Where ``rules/`` and ``kb/`` are: inside the installed package, or at the top of the checkout."""
+"""Where ``rules/`` and ``kb/`` are, in the package or at the top of the checkout; and files written whole."""
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Final
 
@@ -40,6 +41,17 @@ def kb_dir() -> Path:
     'kb'
     """
     return _find("kb", _PACKAGE)
+
+
+def write_whole(place: Path, text: bytes) -> None:
+    """Write a file whole or not at all: an interrupted write leaves the old one, and nothing beside it."""
+    draft = place.with_name(f".{place.name}.{os.getpid()}.part")
+    try:
+        draft.write_bytes(text)
+        draft.replace(place)
+    except OSError:
+        draft.unlink(missing_ok=True)
+        raise
 
 
 def _find(name: str, package: Path) -> Path:

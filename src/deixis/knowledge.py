@@ -25,7 +25,7 @@ from deixis.vocabulary import RELATIONS
 if TYPE_CHECKING:
     from deixis.counterfactual import Change
     from deixis.engines import Engine, Found
-    from deixis.explain import Answer, Refusal
+    from deixis.explain import Answer, Proof, Refusal
     from deixis.inspection import Inspection
     from deixis.prolog import Answers, PrologEngine
     from deixis.ruleset import Indicator, Ruleset
@@ -73,13 +73,7 @@ class KnowledgeBase:
         rules: Sequence[str | os.PathLike[str]] = (),
         region: RegionModel = "box",
     ) -> KnowledgeBase:
-        """Return the knowledge base of a scene, or of the scene file at a path.
-
-        Raises
-        ------
-        SceneError
-            The file is not a well-formed scene.
-        """
+        """Return the knowledge base of a scene, or of the scene file at a path, if it is well formed."""
         return cls(scene if isinstance(scene, Scene) else Scene.load(scene), rules=rules, region=region)
 
     def __enter__(self) -> Self:
@@ -147,13 +141,7 @@ class KnowledgeBase:
 
     @cached_property
     def rule_files(self) -> tuple[Path, ...]:
-        """Return the user's rule files, each after those it imports.
-
-        Raises
-        ------
-        RuleError
-            One does not exist.
-        """
+        """Return the user's rule files, each after those it imports; one that is not there is an error."""
         from deixis.ruleset import locate
 
         return locate(self._rules, datalog_files()) if self._rules else ()
@@ -312,10 +300,6 @@ class KnowledgeBase:
 
         Raises
         ------
-        QueryError
-            The scene has no such view.
-        QueryTimeout
-            It took longer than ``timeout``.
         RuleError
             Something is wrong with a rule file, or none states a violation.
 
@@ -356,10 +340,9 @@ class KnowledgeBase:
 
         Raises
         ------
-        QueryError
-            The goal is not one relation of known things, or its figure is a surface.
-        GeometryError
-            The region model is not ``box``.
+        QueryError, GeometryError
+            The goal is not one relation of known things, or its figure is a surface; the region model is
+            not ``box``.
 
         Examples
         --------
@@ -376,22 +359,36 @@ class KnowledgeBase:
         return smallest_change(self.scene, self.facts, self._sql, fact)
 
     def what_if(self, moves: Mapping[str, Sequence[float]]) -> KnowledgeBase:
-        """Return the knowledge base of the scene in which some things are moved by x, y, z metres.
-
-        Examples
-        --------
-        >>> from deixis._files import kb_dir
-        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
-        ...     after = kb.what_if({"sweater": (0.0, 0.0, 0.1)})
-        >>> [one.reference for one in after.relations(relation=["on_top_of"]) if one.figure == "sweater"]
-        []
-        """
+        """Return the knowledge base of the scene in which some things are moved by x, y, z metres."""
         from deixis.counterfactual import moved
         from deixis.regrounding import reground
 
         after = KnowledgeBase(moved(self.scene, moves), rules=self._rules, region=self.region)
         after.__dict__["facts"] = reground(self.scene, self.facts, after.scene)
         return after
+
+    def proofs(
+        self, *, relation: Iterable[str] | None = None, timeout: float = 300.0
+    ) -> dict[tuple[str, ...], Proof]:
+        """Return the shortest proof of all that holds, by the relation's name and its arguments.
+
+        What is asked for, and what is raised, is as for :meth:`relations`.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     kb.proofs(relation=["leans_on"])["leans_on", "extinguisher2", "wall"].axiom
+        37
+        """
+        from deixis.explain import Proof
+        from deixis.prolog import Atom
+
+        names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
+        wanted: list[Any] = [[Atom(name), arity] for one in names for name, arity in self._predicates(one)]
+        found: Any = self.engine.call("proofs", *wanted, timeout=timeout)
+        proofs = map(Proof.from_dict, found)
+        return {(one.predicate, *map(str, one.args)): one for one in proofs}
 
     def check_view(self, view: str) -> None:
         """Raise :class:`QueryError` unless the scene has this view."""

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from deixis._files import write_whole
 from deixis.boxes import Boxes
 from deixis.errors import DeixisError, SceneError, ThresholdError
 from deixis.frames import WORLD, Array
@@ -300,12 +301,9 @@ class Scene:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the scene to a file, whole or not at all: an interrupted write leaves the old file."""
         place = Path(path)
-        draft = place.with_name(f".{place.name}.{os.getpid()}.part")
         try:
-            draft.write_text(self.to_json(), encoding="utf-8", newline="\n")
-            draft.replace(place)
+            write_whole(place, self.to_json().encode())
         except OSError as cause:
-            draft.unlink(missing_ok=True)
             raise SceneError(f"{quoted(str(place), 200)} cannot be written: {cause.strerror}") from cause
 
 

@@ -11,7 +11,16 @@ import typer
 
 from deixis import __version__
 from deixis.cli import rules as rules_commands
-from deixis.cli.output import Format, printable, printable_lines, records, write_csv, write_json, write_table
+from deixis.cli.output import (
+    Format,
+    RelationFormat,
+    printable,
+    printable_lines,
+    records,
+    write_csv,
+    write_json,
+    write_table,
+)
 
 if TYPE_CHECKING:
     from deixis.knowledge import KnowledgeBase
@@ -58,6 +67,8 @@ RuleFiles = Annotated[
     ),
 ]
 
+RDF_FORMATS = (RelationFormat.TTL, RelationFormat.TRIG, RelationFormat.NQ, RelationFormat.JSONLD)
+
 RELATION_COLUMNS = ("relation", "figure", "reference", "view", "margin")
 
 _NAMED = 5
@@ -70,6 +81,14 @@ class EngineName(StrEnum):
     DUCKDB = "duckdb"
     PROLOG = "prolog"
     SPARQL = "sparql"
+
+
+class OntologyFormat(StrEnum):
+    """Formats of the ontology."""
+
+    TTL = "ttl"
+    OWL = "owl"
+    NT = "nt"
 
 
 class TextOrJson(StrEnum):
@@ -120,7 +139,9 @@ def relations(
     view: Annotated[str | None, typer.Option(help="Only this view's horizontal relations.")] = None,
     relation: Annotated[list[str] | None, typer.Option(help="Only this relation; may be repeated.")] = None,
     region: RegionOption = Region.BOX,
-    output: Annotated[Format, typer.Option("--format", help="How to print them.")] = Format.TABLE,
+    output: Annotated[
+        RelationFormat, typer.Option("--format", help="How to print them.")
+    ] = RelationFormat.TABLE,
     timeout: Seconds = 60.0,
     rules: RuleFiles = None,
     engine: Annotated[
@@ -130,7 +151,7 @@ def relations(
     """Print the relations that hold in a scene, each with its margin in metres."""
     with open_scene(scene, region, rules) as kb:
         found = kb.relations(view=view, relation=relation, timeout=timeout, engine=engine.value)
-        if output is Format.JSON:
+        if output is RelationFormat.JSON:
             write_json(
                 {
                     "scene": kb.scene.id,
@@ -139,15 +160,19 @@ def relations(
                     "withheld": [one.to_dict() for one in kb.withheld if view in (None, one.view)],
                 }
             )
-        elif output is Format.PL:
+        elif output is RelationFormat.PL:
             for one in found:
                 sys.stdout.write(one.to_prolog() + ".\n")
+        elif output in RDF_FORMATS:
+            from deixis.rdf.export import relations_text
+
+            sys.stdout.write(relations_text(kb, found, output.value))
         else:
             rows = records(RELATION_COLUMNS, [one.to_dict() for one in found])
-            (write_csv if output is Format.CSV else write_table)(RELATION_COLUMNS, rows)
+            (write_csv if output is RelationFormat.CSV else write_table)(RELATION_COLUMNS, rows)
         noise = kb.scene.thresholds.pose_noise
         unsure = sum(one.margin is not None and one.margin < noise for one in found)
-        if output is Format.TABLE and unsure:
+        if output is RelationFormat.TABLE and unsure:
             warn([f"{unsure} of {len(found)} hold by less than the pose noise of {noise * 100:g} cm"])
     if not found:
         raise typer.Exit(1)
@@ -253,39 +278,6 @@ def why(
 
 
 @app.command()
-def check(
-    scene: ScenePath,
-    rules: RuleFiles = None,
-    view: Annotated[str | None, typer.Option(help="Look from this view only.")] = None,
-    region: RegionOption = Region.BOX,
-    engine: Annotated[
-        EngineName, typer.Option(help="What derives the violations; all give the same.")
-    ] = EngineName.DUCKDB,
-    output: Annotated[TextOrJson, typer.Option("--format", help="How to print them.")] = TextOrJson.TEXT,
-    brief: Annotated[bool, typer.Option("--brief", help="Without reasons: needs no SWI-Prolog.")] = False,
-    timeout: Seconds = 60.0,
-) -> None:
-    """List what breaks the rules of safety, or your own, each with its reasons.
-
-    Without --rules it checks the shipped rules of safety. Exit codes: 0 no violation, 1 there are violations,
-    2 error, 3 time-out.
-    """
-    with open_scene(scene, region, rules) as kb:
-        found = kb.check(view=view, engine=engine.value, reasons=not brief, timeout=timeout)
-    if output is TextOrJson.JSON:
-        write_json(found.to_dict())
-    else:
-        says = {one.rule: one.says for one in found.checked}
-        for one in found.violations:
-            print(printable(": ".join(filter(None, (one.rule, says[one.rule])))))
-            told = one.text if one.proof is None else one.proof.outline()
-            print(printable_lines("\n".join(f"  {line}" for line in told.split("\n"))), end="\n\n")
-        print(found.summary())
-    if not found.passed:
-        raise typer.Exit(1)
-
-
-@app.command()
 def shell(
     scenes: Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files.")],
     region: RegionOption = Region.BOX,
@@ -304,10 +296,32 @@ def shell(
     exec_shell([*theory_files(), *opened[0].rule_files], grounded, opened[0].tabled)
 
 
+@app.command()
+def export(
+    scene: ScenePath,
+    target: Annotated[
+        Path,
+        typer.Option(
+            "-o", "--output", metavar="FILE", help="What to write: .trig, .nq, .jsonld, .ttl or .nt."
+        ),
+    ],
+    region: RegionOption = Region.BOX,
+    view: Annotated[str | None, typer.Option(help="Only this view's horizontal relations.")] = None,
+    proofs: Annotated[bool, typer.Option(help="By which steps each relation was derived.")] = True,
+    rules: RuleFiles = None,
+) -> None:
+    """Write a scene with all that follows from it as RDF, in the format of the file's ending."""
+    from deixis.rdf.export import save
+
+    with open_scene(scene, region, rules) as kb:
+        count = save(kb, target, proofs=proofs, view=view)
+    print(f"{target}: {count} quads", file=sys.stderr)
+
+
 @app.command(name="import")
 def import_(
     name: Annotated[
-        str, typer.Argument(metavar="FORMAT", help="deixis, ithor, virtualhome, or an added one.")
+        str, typer.Argument(metavar="FORMAT", help="deixis, ithor, rdf, virtualhome, or an added one.")
     ],
     path: Annotated[
         str, typer.Argument(metavar="FILE", help="The file; for several scenes in one, FILE#SCENE.")
@@ -331,6 +345,21 @@ def schema() -> None:
     from deixis.scene import scene_schema
 
     write_json(scene_schema())
+
+
+@app.command()
+def ontology(
+    term: Annotated[
+        str | None, typer.Argument(metavar="[TERM]", help="Only this: onTopOf, urn:deixis:term:onTopOf.")
+    ] = None,
+    output: Annotated[
+        OntologyFormat, typer.Option("--format", help="Turtle, RDF/XML or N-Triples.")
+    ] = OntologyFormat.TTL,
+) -> None:
+    """Print the ontology of what is exported, or what it says of one term."""
+    from deixis.rdf import ontology as texts
+
+    sys.stdout.write(texts.ontology(output.value) if term is None else texts.definition(term) + "\n")
 
 
 @app.command()

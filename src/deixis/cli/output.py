@@ -19,6 +19,19 @@ class Format(StrEnum):
     PL = "pl"
 
 
+class RelationFormat(StrEnum):
+    """Output formats of relations: those of facts, and RDF."""
+
+    TABLE = "table"
+    JSON = "json"
+    CSV = "csv"
+    PL = "pl"
+    TTL = "ttl"
+    TRIG = "trig"
+    NQ = "nq"
+    JSONLD = "jsonld"
+
+
 def write_json(value: Any) -> None:
     """Write a value as one JSON document."""
     json.dump(value, sys.stdout, ensure_ascii=False, indent=2, allow_nan=False)

@@ -1,4 +1,4 @@
-"""Commands that ask why not, why this rather than that, and what would be if things stood elsewhere."""
+"""Commands that ask why not, what is wrong, and what would be if things stood elsewhere."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deixis.cli.commands import (
+    EngineName,
     Region,
     RegionOption,
     RuleFiles,
@@ -17,7 +18,7 @@ from deixis.cli.commands import (
     open_scene,
     warn,
 )
-from deixis.cli.output import printable, write_json
+from deixis.cli.output import printable, printable_lines, write_json
 from deixis.errors import QueryError
 
 if TYPE_CHECKING:
@@ -71,6 +72,39 @@ def contrast(
         fact, other = kb.why(goal, timeout=timeout), kb.why_not(rather_than, timeout=timeout)
     print(printable(told(fact, other)))
     if not fact or other.holds:
+        raise typer.Exit(1)
+
+
+@app.command()
+def check(
+    scene: ScenePath,
+    rules: RuleFiles = None,
+    view: Annotated[str | None, typer.Option(help="Look from this view only.")] = None,
+    region: RegionOption = Region.BOX,
+    engine: Annotated[
+        EngineName, typer.Option(help="What derives the violations; all give the same.")
+    ] = EngineName.DUCKDB,
+    output: Annotated[TextOrJson, typer.Option("--format", help="How to print them.")] = TextOrJson.TEXT,
+    brief: Annotated[bool, typer.Option("--brief", help="Without reasons: needs no SWI-Prolog.")] = False,
+    timeout: Seconds = 60.0,
+) -> None:
+    """List what breaks the rules of safety, or your own, each with its reasons.
+
+    Without --rules it checks the shipped rules of safety. Exit codes: 0 no violation, 1 there are violations,
+    2 error, 3 time-out.
+    """
+    with open_scene(scene, region, rules) as kb:
+        found = kb.check(view=view, engine=engine.value, reasons=not brief, timeout=timeout)
+    if output is TextOrJson.JSON:
+        write_json(found.to_dict())
+    else:
+        says = {one.rule: one.says for one in found.checked}
+        for one in found.violations:
+            print(printable(": ".join(filter(None, (one.rule, says[one.rule])))))
+            told = one.text if one.proof is None else one.proof.outline()
+            print(printable_lines("\n".join(f"  {line}" for line in told.split("\n"))), end="\n\n")
+        print(found.summary())
+    if not found.passed:
         raise typer.Exit(1)
 
 

@@ -101,3 +101,16 @@ distinct_answer(Goal) :-
     findall(Goal, question:Goal, Bag),
     sort(Bag, Distinct),
     member(Goal, Distinct).
+
+%   proofs([Name, Arity], ...): the best proof of each answer of these predicates.
+
+bridge:operation(proofs, Predicates, Proofs) :-
+    findall(Proof,
+            ( member([Name, Arity], Predicates), proved(Name, Arity, Proof) ),
+            Proofs).
+
+proved(Name, Arity, Proof) :-
+    functor(Goal, Name, Arity),
+    distinct_answer(Goal),
+    explain:best_proof(question:Goal, Node),
+    verbalise:node_dict(Node, Proof).

@@ -11,6 +11,7 @@ import numpy as np
 from deixis.errors import MissingDependency, QueryTimeout
 from deixis.facts import Facts
 from deixis.rdf.layout import DOUBLE, NODE, TYPE, iri, is_node, term, text_of
+from deixis.rdf.oxigraph import ox
 from deixis.rdf.sparql import RuleSparql, select
 from deixis.ruleset import Indicator, Kind, Rule, Ruleset
 from deixis.ruleset.base import BASE_FACTS

@@ -32,7 +32,9 @@ BUILT_IN: Final = {
     "deixis": "deixis.readers.native",
     "ithor": "deixis.readers.ithor",
     "virtualhome": "deixis.readers.virtualhome",
+    "rdf": "deixis.rdf.reader",
 }
+"""Where they are; that of RDF stands above this layer, with all else of RDF."""
 
 HEAD: Final = 65_536
 """Bytes of a file that a reader sees when asked whether it knows the format."""

@@ -1,0 +1,91 @@
+"""What an export asks of a knowledge base, so that this layer need not know the one above it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Protocol
+
+from deixis.facts import Facts, RegionModel, SolidModel
+from deixis.ruleset import Ruleset
+from deixis.scene import Scene
+
+
+class Holds(Protocol):
+    """A relation that holds: see :class:`deixis.knowledge.Relation`."""
+
+    @property
+    def relation(self) -> str: ...  # noqa: D102
+    @property
+    def figure(self) -> str: ...  # noqa: D102
+    @property
+    def reference(self) -> str: ...  # noqa: D102
+    @property
+    def view(self) -> str | None: ...  # noqa: D102
+    @property
+    def margin(self) -> float | None: ...  # noqa: D102
+
+
+class Notice(Protocol):
+    """What a view withholds of a reference: see :class:`deixis.knowledge.Withheld`."""
+
+    @property
+    def view(self) -> str: ...  # noqa: D102
+    @property
+    def reference(self) -> str: ...  # noqa: D102
+    @property
+    def reason(self) -> str: ...  # noqa: D102
+
+
+class Place(Protocol):
+    """Where a rule stands: see :class:`deixis.explain.Rule`."""
+
+    @property
+    def file(self) -> str: ...  # noqa: D102
+    @property
+    def line(self) -> int: ...  # noqa: D102
+
+
+class Step(Protocol):
+    """One step of a proof: see :class:`deixis.explain.Proof`."""
+
+    @property
+    def kind(self) -> str: ...  # noqa: D102
+    @property
+    def predicate(self) -> str: ...  # noqa: D102
+    @property
+    def args(self) -> tuple[str | float | None, ...]: ...  # noqa: D102
+    @property
+    def text(self) -> str: ...  # noqa: D102
+    @property
+    def margin(self) -> float | None: ...  # noqa: D102
+    @property
+    def axiom(self) -> int | None: ...  # noqa: D102
+    @property
+    def rule(self) -> Place | None: ...  # noqa: D102
+    @property
+    def shown(self) -> bool: ...  # noqa: D102
+    @property
+    def children(self) -> Sequence[Step]: ...  # noqa: D102
+
+
+class Knowledge(Protocol):
+    """A scene with all that follows from it: see :class:`deixis.knowledge.KnowledgeBase`."""
+
+    scene: Scene
+    region: RegionModel
+
+    @property
+    def facts(self) -> Facts: ...  # noqa: D102
+    @property
+    def rule_files(self) -> Sequence[Path]: ...  # noqa: D102
+    @property
+    def ruleset(self) -> Ruleset: ...  # noqa: D102
+    @property
+    def measured_as(self) -> Mapping[str, SolidModel]: ...  # noqa: D102
+    @property
+    def withheld(self) -> Sequence[Notice]: ...  # noqa: D102
+    def relations(  # noqa: D102
+        self, *, view: str | None = ..., relation: Iterable[str] | None = ...
+    ) -> Sequence[Holds]: ...
+    def proofs(self, *, relation: Iterable[str] | None = ...) -> Mapping[tuple[str, ...], Step]: ...  # noqa: D102
