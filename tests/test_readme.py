@@ -19,6 +19,7 @@ from deixis import Scene
 from deixis.cli import questions  # noqa: F401 - adds its commands
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
+from endpoint import serving
 from readme import README, blocks, check, shown_after
 
 
@@ -53,6 +54,27 @@ def test_python_prints_what_the_readme_shows(number: int, root: Path) -> None:
     )
     assert (done.returncode, done.stderr) == (0, "")
     check(shown_after(block), done.stdout)
+
+
+def test_the_server_answers_what_the_readme_shows(root: Path) -> None:
+    """The first line starts the server, which here is on another port."""
+    (shell,), (client,) = blocks("bash"), blocks("py")
+    first, commands = shell["text"].split("\n", 1)
+    _, name, *scenes, _ = first.split()
+    assert name == "serve"
+    with serving(*(root / scene for scene in scenes)) as server:
+        for block, command in (
+            (shell, ["sh", "-e", "-c", commands]),
+            (client, [sys.executable, "-c", client["text"]]),
+        ):
+            command[-1] = command[-1].replace("http://localhost:7878", server.url)
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            assert (done.returncode, done.stderr) == (0, "")
+            # Each answer of curl's ends as the server sent it; a terminal shows it as lines.
+            check(
+                shown_after(block),
+                done.stdout.replace("\r\n", "\n").replace("}{", "}\n{").rstrip("\n") + "\n",
+            )
 
 
 def test_prolog_answers_what_the_readme_shows(root: Path) -> None:

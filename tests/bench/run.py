@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench import growth, rules_bench, shapely_loop
+from bench import growth, rules_bench, server_bench, shapely_loop
 from bench.job import Answers, room
 from deixis.grounding import ground
 from deixis.parallel import WORKERS
@@ -216,6 +216,7 @@ def sections() -> Iterator[tuple[str, Iterator[str]]]:
     yield "Rules", rules_bench.section()
     if MESHES.exists():
         yield "Meshes", meshes()
+    yield "SPARQL over HTTP", server_bench.lines()
 
 
 def _wrapped(lines: Iterator[str]) -> Iterator[str]:

@@ -11,6 +11,7 @@ import typer
 
 from deixis import __version__
 from deixis.cli import rules as rules_commands
+from deixis.cli import serve as serve_command
 from deixis.cli.output import (
     Format,
     RelationFormat,
@@ -36,6 +37,7 @@ app = typer.Typer(
 )
 
 app.add_typer(rules_commands.app, name="rules")
+app.command()(serve_command.serve)
 
 
 class Region(StrEnum):

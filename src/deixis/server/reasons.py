@@ -1,0 +1,156 @@
+"""One scene's knowledge base, for a process of its own: what the JSON interface asks."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Mapping
+from typing import Any, Final
+
+from deixis.errors import QueryError
+from deixis.knowledge import KnowledgeBase
+from deixis.relations import Relation
+from deixis.scene import Scene
+from deixis.server.goals import answers
+from deixis.strict_json import parse
+
+_EXPORTED: Final = "the scene"
+
+
+class Reasons:
+    """A scene, and what follows from it.
+
+    Examples
+    --------
+    >>> from deixis._files import kb_dir
+    >>> reasons = Reasons()
+    >>> told, _ = reasons.load((kb_dir() / "scenes" / "hans.json").read_bytes(), export=False)
+    >>> told["id"], reasons.relations(relation=["leans_on"])["relations"][0]["figure"]
+    ('hans', 'extinguisher2')
+    """
+
+    def __init__(self) -> None:
+        self._kb: KnowledgeBase | None = None
+        self._known: dict[tuple[str, ...] | None, tuple[Relation, ...]] = {}
+
+    @property
+    def kb(self) -> KnowledgeBase:
+        """Return the knowledge base."""
+        if self._kb is None:
+            raise QueryError("no scene is loaded")
+        return self._kb
+
+    def load(self, text: bytes, *, export: bool) -> tuple[dict[str, Any], bytes]:
+        """Take in a scene in JSON; return what it holds and, if wanted, all its quads.
+
+        Raises
+        ------
+        SceneError
+            It is not well formed, or names files: what is sent brings its geometry along.
+        """
+        from deixis.errors import SceneError
+
+        scene = Scene.from_dict(parse(text, SceneError, _EXPORTED))
+        self._kb, self._known = KnowledgeBase(scene), {}
+        told: dict[str, Any] = {
+            "id": scene.id,
+            "objects": len(scene.objects),
+            "views": [{"id": view.id, "label": view.label} for view in scene.views],
+            "notes": list(scene.diagnostics),
+        }
+        if not export:
+            return told, b""
+        from deixis.rdf.export import graph_names, nquads
+
+        quads = nquads(self._kb)
+        return {**told, "graphs": graph_names(self._kb), "text": scene.to_json()}, quads
+
+    def objects(self) -> dict[str, Any]:
+        """Return the things of the scene with their labels and boxes."""
+        boxes = self.kb.scene.boxes
+        rows = zip(self.kb.scene.objects, boxes.center, boxes.half, boxes.yaw, strict=True)
+        return {
+            "objects": [
+                {
+                    "id": thing.id,
+                    "kind": thing.kind,
+                    "labels": [{"name": label.name, "score": label.score} for label in thing.labels],
+                    "box": {"center": center.tolist(), "size": (2.0 * half).tolist(), "yaw": float(yaw)},
+                }
+                for thing, center, half, yaw in rows
+            ]
+        }
+
+    def relations(
+        self,
+        *,
+        relation: list[str] | None = None,
+        figure: str | None = None,
+        reference: str | None = None,
+        view: str | None = None,
+        label: str | None = None,
+        margin: float | None = None,
+        limit: int = 1000,
+        cursor: str | None = None,
+    ) -> dict[str, Any]:
+        """Return the relations that pass all filters, a page of them.
+
+        ``label`` is one of the figure or the reference; ``margin`` the least.
+        """
+        key = None if relation is None else tuple(sorted(set(relation)))
+        if view is not None:
+            self.kb.check_view(view)
+        for name in (figure, reference):
+            if name is not None:
+                self.kb.scene.index(name)
+        if key not in self._known:
+            if len(self._known) > 100:
+                self._known.clear()
+            self._known[key] = self.kb.relations(relation=relation)
+        labels = {
+            thing.id for thing in self.kb.scene.objects if any(one.name == label for one in thing.labels)
+        }
+        found = [
+            one
+            for one in self._known[key]
+            if (figure is None or one.figure == figure)
+            and (reference is None or one.reference == reference)
+            and (view is None or one.view in (None, view))
+            and (label is None or one.figure in labels or one.reference in labels)
+            and (margin is None or one.margin is None or one.margin >= margin)
+        ]
+        start = _position(cursor)
+        page = found[start : start + limit]
+        more = start + limit < len(found)
+        return {
+            "relations": [one.to_dict() for one in page],
+            "total": len(found),
+            "next": _cursor(start + limit) if more else None,
+            "withheld": [one.to_dict() for one in self.kb.withheld],
+        }
+
+    def ask(self, *, goal: str, limit: int, timeout: float) -> dict[str, Any]:
+        """Return the bindings for which a goal of the rules' subset holds, on DuckDB."""
+        return answers(self.kb, goal, limit, timeout)
+
+    def why(self, *, goal: str, timeout: float) -> dict[str, Any]:
+        """Return the proof of a relation, or how far it is from holding."""
+        answer = self.kb.why(goal, timeout=timeout)
+        told: Mapping[str, Any] = answer.to_dict()
+        return {"goal": goal, **told}
+
+
+def _cursor(position: int) -> str:
+    return base64.urlsafe_b64encode(json.dumps({"from": position}).encode()).decode()
+
+
+def _position(cursor: str | None) -> int:
+    if cursor is None:
+        return 0
+    try:
+        position = json.loads(base64.urlsafe_b64decode(cursor))["from"]
+    except (ValueError, KeyError, TypeError):
+        position = None
+    if not isinstance(position, int) or position < 0:
+        raise QueryError("this cursor is none of this server's: take it from `next` of the page before")
+    return position

@@ -1,0 +1,58 @@
+"""``deixis serve``: the application on a socket, until it is told to stop."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import uvicorn
+
+from deixis.errors import DeixisError
+from deixis.scene import Scene
+from deixis.server.app import create_app
+from deixis.server.settings import Settings
+
+_BACKLOG: Final = 512
+_CONNECTIONS: Final = 1024
+
+
+def serve(scenes: Sequence[Path], settings: Settings) -> None:
+    """Serve scene files, and return when the server is stopped.
+
+    Raises
+    ------
+    SceneError
+        A file is no scene.
+    DeixisError
+        Two scenes have the same id, or updates are allowed to everyone.
+    """
+    if settings.writable and settings.token is None:
+        raise DeixisError("--writable needs a token: set --token or DEIXIS_TOKEN")
+    texts: dict[str, bytes] = {}
+    for path in scenes:
+        scene = Scene.load(path)
+        if scene.id in texts:
+            raise DeixisError(f"two of the files hold a scene {scene.id!r}: rename one")
+        texts[scene.id] = scene.to_json().encode()
+    config = uvicorn.Config(
+        create_app(settings, texts),
+        host=settings.host,
+        port=settings.port,
+        access_log=False,
+        log_level="warning",
+        proxy_headers=False,
+        server_header=False,
+        date_header=True,
+        backlog=_BACKLOG,
+        limit_concurrency=_CONNECTIONS,
+        timeout_graceful_shutdown=5,
+        ws="none",
+        lifespan="on",
+    )
+    server = uvicorn.Server(config)
+    server.run()
+    if not server.started:
+        raise DeixisError(
+            f"the server could not start on {settings.host}:{settings.port}: is the port taken?"
+        )
