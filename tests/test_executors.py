@@ -386,7 +386,9 @@ def test_own_rules_by_all_engines(own: Path) -> None:
 
 def test_own_rules_are_asked_and_explained(own: Path) -> None:
     scene = GOLDEN["figure_3"]
-    assert call("ask", scene, "over(sweater, X)", "--rules", own).out == "X = heater\nX = floor\n"
+    # Tables have no order.
+    answers = call("ask", scene, "over(sweater, X)", "--rules", own).out.splitlines()
+    assert sorted(answers) == ["X = floor", "X = heater"]
     assert call("why", scene, "over(sweater, floor)", "--rules", own).code == 0
     shell = run("shell", scene, "--rules", own, stdin="forall(over(sweater, X), (write(X), nl)).\n")
     assert {"floor", "heater"} <= set(shell.out.split())
@@ -446,7 +448,7 @@ def test_without_a_triple_store_the_remedy_is_named() -> None:
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert (told.returncode, told.stdout) == (2, "")
-    assert told.stderr == "deixis: SPARQL needs pyoxigraph: pip install 'deixis[rdf]'\n"
+    assert told.stderr == "deixis: RDF needs pyoxigraph: pip install 'deixis[rdf]'\n"
 
 
 def test_the_database_is_closed_to_the_world(sql: SqlExecutor, tmp_path: Path) -> None:

@@ -54,7 +54,7 @@ def sniff(head: bytes) -> bool:
     >>> sniff(b'<urn:deixis:scene:hans:thing:sign> a <urn:deixis:term:SpatialObject> .')
     True
     """
-    return SCENE.encode() in head
+    return SCENE.encode() in head and head.lstrip()[:1] in (b"<", b"@", b"P", b"{", b"[")
 
 
 class _Statements:
