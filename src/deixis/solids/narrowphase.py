@@ -135,7 +135,8 @@ def _measured(
     for k, (i, j) in enumerate(zip(a.tolist(), b.tolist(), strict=True)):
         one, other = things[i], things[j]
         pose = Pose(float(there.cos[k]), float(there.sin[k]), shifts[k])
-        apart = separate(one, other, pose, limits, float(far[k]))
+        # Beyond T nothing is decided by the distance: that of the hulls will do (decision 0017).
+        apart = separate(one, other, pose, limits, limits.closeness)
         lie = _lie(one, other, pose, apart, limits)
         found.separation[k], found.normal[k] = lie.separation, lie.normal
         if apart.hulls > far[k]:
