@@ -108,6 +108,27 @@ def test_rules_of_ones_own_can_be_asked_about(tmp_path: Path, hans: KnowledgeBas
     assert 0.299 < now.distance[row] <= 0.3
 
 
+def test_a_change_may_hang_on_what_other_things_are_to_one_another(tmp_path: Path) -> None:
+    """The answer for a thing that moves is derived through things that stay where they are."""
+    stack = scene(
+        box("table", (0, 0, 0.5), (1, 1, 1)),
+        box("tray", (0, 0, 1.02), (0.6, 0.6, 0.04)),
+        box("cup", (0, 0, 1.09), (0.1, 0.1, 0.1)),
+    )
+    kb = KnowledgeBase(stack, rules=["support"])
+    change = kb.change("supported_by(cup, table)")
+    assert change is not None
+    assert (change.holds, change.thing) == (False, "cup")
+    assert change.distance == pytest.approx(0.02, abs=2e-4)
+    lonely = tmp_path / "lonely.pl"
+    lonely.write_text(
+        "lonely(X) :- spatial_obj(X), \\+ touches(X, _).\ncalm(X, Y) :- near(X, Y), \\+ lonely(Y).\n"
+    )
+    calm = KnowledgeBase(stack, rules=[lonely]).change("calm(cup, tray)")
+    assert calm is not None
+    assert calm.distance > 0.1
+
+
 def test_what_if(hans: KnowledgeBase) -> None:
     with hans.what_if({"sweater": (0.0, 0.0, 0.5), "sign": (0.0, -1.0, 0.0)}) as kb:
         assert kb.facts.views[0].view == "world"

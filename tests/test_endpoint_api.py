@@ -54,6 +54,11 @@ def test_relations_are_filtered(server: Server, kb: KnowledgeBase, query: str, p
     assert found == expected != []
 
 
+@pytest.mark.parametrize("query", ["margin=nan", "margin=inf", "margin=x", "limit=0", "view=v9", "figure=x"])
+def test_a_filter_that_means_nothing_is_refused(server: Server, query: str) -> None:
+    assert server.send("GET", f"/scenes/hans/relations?{query}").status in (400, 422)
+
+
 def test_pages_follow_one_another(server: Server) -> None:
     whole = server.send("GET", "/scenes/hans/relations").json["relations"]
     found, path = [], "/scenes/hans/relations?limit=7"

@@ -499,3 +499,19 @@ def test_a_margin_of_contact_does_not_foresee_the_way_out_through_the_bottom() -
 
     assert separation(0.0) == pytest.approx(-0.15)
     assert separation(0.02) == pytest.approx(-0.03)
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (12.0, -7.0, 3.0)])
+@pytest.mark.parametrize("down", [0.0, 1.0e-16, -1.0e-16])
+def test_a_sheet_in_the_very_plane_of_the_bottom_touches(shift: tuple[float, ...], down: float) -> None:
+    """No thickness, the height of the bottom itself: rounding must not turn contact into overlap."""
+    x, y, z = shift
+    facts = ground(
+        scene(
+            box("chest", (x, y, z + 1.082), (1, 1, 0.466)),
+            box("sheet", (x + 0.1, y, z + 0.849 + down), (0.3, 0.2, 0.0)),
+        )
+    )
+    row = facts.row("chest", "sheet")
+    assert row is not None
+    assert (facts.touches[row], facts.intersects[row], facts.separation[row]) == (True, False, 0.0)

@@ -102,11 +102,10 @@ class Proof:
         'They touch, because the gap is 1 cm.'
         """
         reasons = [child.text for child in self._shown_children() if child.predicate != "figure_reference"]
-        head = self.text[:1].upper() + self.text[1:]
         if not reasons:
-            return head + "."
+            return as_sentence(self.text)
         listed = ", ".join(reasons[:-1]) + " and " + reasons[-1] if len(reasons) > 1 else reasons[0]
-        return f"{head}, because {listed}."
+        return as_sentence(f"{self.text}, because {listed}")
 
     def things(self) -> Iterator[str]:
         """Yield all names that the proof speaks of, ids and others, as often as they occur."""
@@ -250,16 +249,27 @@ class Refusal:
 
     def sentence(self) -> str:
         """Return that it does not hold, and why, in one sentence."""
-        head, reason = self.text[:1].upper() + self.text[1:], self.reason()
-        return f"{head}, because {reason}." if reason and not self.holds else f"{head}."
+        reason = self.reason()
+        return as_sentence(f"{self.text}, because {reason}" if reason and not self.holds else self.text)
 
 
 def contrast(fact: Answer, other: Refusal) -> str:
     """Return in one sentence why a fact holds rather than another."""
     if fact.proof is None:
-        return f"{fact.text[:1].upper()}{fact.text[1:]}: there is nothing to contrast."
+        return as_sentence(f"{fact.text}: there is nothing to contrast")
     if other.holds:
-        return f"Both hold: {fact.text}, and {other.text}."
-    head = f"{fact.text[:1].upper()}{fact.text[1:]}, but {other.text}"
+        return as_sentence(f"both hold: {fact.text}, and {other.text}")
     reason = other.reason()
-    return f"{head}, because {reason}." if reason else f"{head}."
+    head = f"{fact.text}, but {other.text}"
+    return as_sentence(f"{head}, because {reason}" if reason else head)
+
+
+def as_sentence(text: str) -> str:
+    """Return a statement as a sentence: a capital first, a full stop last.
+
+    Examples
+    --------
+    >>> as_sentence("the cup is on the table")
+    'The cup is on the table.'
+    """
+    return f"{text[:1].upper()}{text[1:]}."

@@ -190,10 +190,8 @@ def _move(text: str) -> tuple[str, tuple[float, float, float]]:
 
 def _told(one: Relation, then: KnowledgeBase, timeout: float) -> dict[str, object]:
     """Return a relation with the reason why it holds, or not, in the world of then."""
+    from deixis.explain import as_sentence
+
     answer = then.why(one.to_prolog(), timeout=timeout)
-    because = (
-        answer.proof.sentence()
-        if answer.proof is not None
-        else f"{answer.text[:1].upper()}{answer.text[1:]}."
-    )
+    because = as_sentence(answer.text) if answer.proof is None else answer.proof.sentence()
     return {**one.to_dict(), "because": because}

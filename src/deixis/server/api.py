@@ -157,7 +157,9 @@ def api(dataset: Dataset, settings: Settings) -> APIRouter:
         reference: str | None = None,
         view: Annotated[str | None, Query(description="Only this view's, and those of no view.")] = None,
         label: Annotated[str | None, Query(description="A label of the figure or the reference.")] = None,
-        margin: Annotated[float | None, Query(description="The least margin, metres.")] = None,
+        margin: Annotated[
+            float | None, Query(description="The least margin, metres.", allow_inf_nan=False)
+        ] = None,
         limit: Annotated[int, Query(ge=1, le=MOST_A_PAGE)] = 1000,
         cursor: Annotated[str | None, Query(description="`next` of the page before.")] = None,
     ) -> RelationPage:

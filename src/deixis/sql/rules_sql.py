@@ -262,12 +262,13 @@ def _denied_margin(inner: _Scope) -> str:
     return f"-{least}"
 
 
+# In brackets: turned round, two minus signs would begin a comment.
 _SPARE: Final[Mapping[str, Callable[[str, str], str]]] = {
     "=<": lambda x, y: f"({y} - {x})",
     "<": lambda x, y: f"({y} - {x})",
     ">=": lambda x, y: f"({x} - {y})",
     ">": lambda x, y: f"({x} - {y})",
-    "=:=": lambda x, y: f"-abs({x} - {y})",
+    "=:=": lambda x, y: f"(-abs({x} - {y}))",
     "=\\=": lambda x, y: f"abs({x} - {y})",
 }
 

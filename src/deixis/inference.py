@@ -1,0 +1,229 @@
+"""Inference: a scene, its facts and the rules over them, and the engines that derive what follows."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+from deixis._files import datalog_files, theory_files
+from deixis.errors import QueryError
+from deixis.facts import Facts, RegionModel, SolidModel, region_model
+from deixis.grounding import ground
+from deixis.hints import hint
+from deixis.regions import BoxRegion
+from deixis.relations import Relation, Withheld, in_order, rounded
+from deixis.scene import Scene
+from deixis.vocabulary import RELATIONS
+
+if TYPE_CHECKING:
+    from deixis.engines import Engine, Found
+    from deixis.prolog import Answers, PrologEngine
+    from deixis.ruleset import Indicator, Ruleset
+    from deixis.sql import SqlExecutor
+
+
+class Inference:
+    """What follows from a scene, found by whichever engine is asked.
+
+    Facts are grounded and engines started on first use. Parameters are those of
+    :class:`~deixis.knowledge.KnowledgeBase`, which adds the questions that people ask.
+    """
+
+    def __init__(
+        self, scene: Scene, *, rules: Sequence[str | os.PathLike[str]] = (), region: RegionModel = "box"
+    ) -> None:
+        self.scene = scene
+        self.region = region_model(region)
+        self._rules = tuple(rules)
+        self._engine: PrologEngine | None = None
+        self._starting = threading.Lock()
+
+    @classmethod
+    def from_scene(
+        cls,
+        scene: Scene | str | os.PathLike[str],
+        *,
+        rules: Sequence[str | os.PathLike[str]] = (),
+        region: RegionModel = "box",
+    ) -> Self:
+        """Return the knowledge base of a scene, or of the scene file at a path, if it is well formed."""
+        return cls(scene if isinstance(scene, Scene) else Scene.load(scene), rules=rules, region=region)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Stop the logic engines, if they were started."""
+        sql: SqlExecutor | None = self.__dict__.pop("_sql", None)
+        if sql is not None:
+            sql.close()
+        if self._engine is not None:
+            self._engine.close()
+            self._engine = None
+
+    @cached_property
+    def facts(self) -> Facts:
+        """Return the grounded scene."""
+        return ground(self.scene, region=self.region)
+
+    @property
+    def measured_as(self) -> dict[str, SolidModel]:
+        """Return what each thing was measured as, by its id: a thing that has only a box is that box."""
+        return dict(zip(self.facts.ids, self.facts.models, strict=True))
+
+    @property
+    def box_only(self) -> tuple[str, ...]:
+        """Return the ids of things that have nothing but a box, where more was asked for."""
+        if self.region == "box":
+            return ()
+        return tuple(thing.id for thing in self.scene.objects if isinstance(thing.region, BoxRegion))
+
+    @property
+    def withheld(self) -> tuple[Withheld, ...]:
+        """Return which references have no front and sides in which views, with the reasons."""
+        return tuple(
+            Withheld(view.view, self.facts.ids[index], reason)
+            for view in self.facts.views
+            for index, reason in view.withheld
+        )
+
+    def facts_text(self, *, readable: bool = True) -> str:
+        """Return the base facts, by the contract of ``rules/facts.pl``: as clauses, or faster as one list."""
+        from deixis.prolog.text import facts_text
+
+        views = [(view.id, view.label) for view in self.scene.views]
+        return facts_text(self.facts, views, readable=readable)
+
+    @cached_property
+    def ruleset(self) -> Ruleset:
+        """Return the rules, read and checked.
+
+        Raises
+        ------
+        RuleError
+            A rule file does not exist, or something is wrong with it.
+        """
+        from deixis.ruleset import load
+
+        return load(datalog_files(), self.rule_files)
+
+    @cached_property
+    def rule_files(self) -> tuple[Path, ...]:
+        """Return the user's rule files, each after those it imports; one that is not there is an error."""
+        from deixis.ruleset import locate
+
+        return locate(self._rules, datalog_files()) if self._rules else ()
+
+    @property
+    def tabled(self) -> list[Indicator]:
+        """Return the user's predicates that need tables in Prolog, since they are recursive."""
+        return sorted(self.ruleset.graph.recursive) if self._rules else []
+
+    @property
+    def engine(self) -> PrologEngine:
+        """Return the logic engine with rules and facts loaded, started if need be."""
+        with self._starting:
+            if self._engine is None:
+                from deixis.prolog import PrologEngine
+
+                # Starting does not wait: Prolog comes up while the geometry is grounded.
+                engine = PrologEngine([*theory_files(), *self.rule_files], tabled=self.tabled)
+                try:
+                    engine.load(self.facts_text(readable=False))
+                except BaseException:
+                    engine.close()
+                    raise
+                self._engine = engine
+            return self._engine
+
+    def relations(
+        self,
+        *,
+        view: str | None = None,
+        relation: Iterable[str] | None = None,
+        timeout: float = 60.0,
+        engine: Engine = "duckdb",
+    ) -> tuple[Relation, ...]:
+        """Return the relations that hold, in the order of the vocabulary, then by ids.
+
+        Parameters
+        ----------
+        view : str, optional
+            Only this view's horizontal relations; those that depend on no view are always included.
+        relation : iterable of str, optional
+            Only these relations; by default all that people speak in. Base relations (``touches``,
+            ``east_r`` ...) and predicates of the user's rule files with two or three names for arguments
+            are given when named; a third argument is taken for the view.
+        timeout : float
+            Seconds.
+        engine : {"duckdb", "prolog", "sparql"}
+            What derives them; the answer is the same.
+
+        Raises
+        ------
+        QueryError
+            Unknown view or relation.
+        QueryTimeout
+            It took longer than ``timeout``.
+        RuleError
+            Something is wrong with a rule file.
+        """
+        names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
+        wanted = [predicate for name in names for predicate in self._predicates(name)]
+        if view is not None:
+            self.check_view(view)
+        found = [
+            Relation(name, row[0], row[1], row[2] if arity == 3 else None, rounded(margin))
+            for (name, arity), row, margin in self._derive(engine, wanted, timeout)
+            if view is None or arity == 2 or row[2] == view
+        ]
+        return in_order(found)
+
+    def _derive(self, engine: Engine, wanted: Sequence[Indicator], timeout: float) -> Iterable[Found]:
+        from deixis import engines
+
+        if engine == "prolog":
+            return engines.by_prolog(self.engine, wanted, timeout)
+        derived = engines.by_sparql if engine == "sparql" else engines.by_sql
+        labels = [(one.id, one.label) for one in self.scene.views]
+        return derived(self._sql, self.facts, labels, wanted, timeout)
+
+    @cached_property
+    def _sql(self) -> SqlExecutor:
+        from deixis.sql import SqlExecutor
+
+        return SqlExecutor(self.ruleset)
+
+    def _predicates(self, name: str) -> list[Indicator]:
+        """Return the predicates that a relation's name stands for."""
+        from deixis.engines import predicates
+
+        return predicates(name, self.ruleset if self._rules else None)
+
+    def ask(self, goal: str, *, limit: int | None = None, timeout: float = 10.0) -> Answers:
+        """Return the answers to a Prolog goal such as ``on_top_of(X, table)``.
+
+        Raises
+        ------
+        QueryError
+            The goal is not well formed, not allowed, or names an unknown predicate.
+        QueryTimeout
+            It took longer than ``timeout`` seconds.
+        """
+        return self.engine.ask(goal, limit=limit, timeout=timeout)
+
+    def check_view(self, view: str) -> None:
+        """Raise :class:`QueryError` unless the scene has this view."""
+        known = [one.id for one in self.scene.views]
+        if view not in known:
+            raise QueryError(f"no view {view!r} in scene {self.scene.id!r}{hint(view, known)}")
