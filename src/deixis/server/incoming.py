@@ -56,7 +56,12 @@ def media_of(request: Request) -> str:
     Problem
         Its character set is not UTF-8 (415).
     """
-    media, _, rest = request.headers.get("content-type", "").partition(";")
+    return media_type(request.headers.get("content-type", ""))
+
+
+def media_type(content_type: str) -> str:
+    """Return the media type that a Content-Type names; see :func:`media_of`."""
+    media, _, rest = content_type.partition(";")
     for parameter in rest.split(";"):
         name, _, value = parameter.strip().partition("=")
         if name.lower() == "charset" and value.strip('"').lower() not in ("utf-8", "utf8"):
