@@ -42,8 +42,12 @@ class Connection(HttpToolsProtocol):
         """Take the connection; where there are too many, another one is closed."""
         super().connection_made(transport)
         self._await()
-        if len(self.connections) > self.most:
-            next(iter(self.awaited)).transport.abort()
+        longest = next(iter(self.awaited))
+        if len(self.connections) > self.most and longest is not self:
+            # It is told of its end later, and others may come before that.
+            self.awaited.pop(longest)
+            self.connections.discard(longest)
+            longest.transport.abort()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Forget it."""
