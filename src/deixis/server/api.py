@@ -187,7 +187,7 @@ def api(dataset: Dataset, settings: Settings) -> APIRouter:
     @router.post("/{scene}/ask", openapi_extra=_BODY)
     async def ask(scene: str, request: Request) -> Bindings:
         """Answer a goal of the Datalog subset: relations, comparisons and their negation."""
-        goal = _goal(await incoming.body_of(request, settings))
+        goal = _goal(await incoming.body_of(request, settings, settings.limits.text))
         given = {"goal": goal.goal, "limit": goal.limit, "timeout": settings.limits.timeout}
         return Bindings(**await dataset.reason(scene, "ask", given))
 
