@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, Final
@@ -122,7 +123,8 @@ class Protocol:
     async def _update(self, request: Request, text: str, fields: incoming.Fields) -> Response:
         incoming.must_be_writable(request, self._settings)
         limits = self._settings.limits
-        update = screen(text, limits.body, limits.depth, update=True)
+        # An update may be long: others are answered meanwhile.
+        update = await asyncio.to_thread(screen, text, limits.body, limits.depth, update=True)
         names = "using-graph-uri", "using-named-graph-uri"
         update.check_graphs(self._dataset.current.names)
         changed = using(update, *(_all(fields, name) for name in names))

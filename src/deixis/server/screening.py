@@ -50,6 +50,9 @@ _MOST_SIGNS: Final = 256
 _MOST_CHAIN: Final = 2048
 """Operators in one text."""
 
+_MOST_UNCLOSED: Final = 8
+"""Quotes that begin no string."""
+
 _MOST_PARTS: Final = 10_000
 """Parts of a query, which is cut into them while all others wait; an update has a process of its own."""
 
@@ -87,7 +90,7 @@ def tokens(text: str, depth: int) -> Iterator[Token]:
     ['ASK', '{', '?s', '<urn:p>', "'SERVICE'", '}']
     """
     around: list[str] = []
-    signs = chain = 0
+    signs = chain = unclosed = 0
     for match in _TOKEN.finditer(text):
         kind, part = match.lastgroup or "other", match[0]
         if kind == "comment":
@@ -96,9 +99,11 @@ def tokens(text: str, depth: int) -> Iterator[Token]:
             # What is left open inside was no bracket: two signs of comparison side by side.
             while around.pop() != opened:
                 pass
-        if kind == "other" and part in "'\"":
-            # No text goes on after this; and each quote after it would be looked at up to the end.
-            raise QueryError(f"a string is not closed, from character {match.start() + 1} on: close it")
+        if kind == "other" and part in ("'", '"'):
+            # Each is looked at up to the end of the text, so there may be a few: in what only looks like an IRI.
+            unclosed += 1
+            if unclosed > _MOST_UNCLOSED:
+                raise QueryError(f"strings are not closed, up to character {match.start() + 1}: close them")
         yield Token(kind, part, match.start(), match.end(), len(around))
         if kind == "open":
             around.append(part)
