@@ -100,7 +100,7 @@ def tokens(text: str, depth: int) -> Iterator[Token]:
             while around.pop() != opened:
                 pass
         if kind == "other" and part in ("'", '"'):
-            # Each is looked at up to the end of the text; a few may be there, beside what only looks like an IRI.
+            # Each is looked at up to the end of the text; a few are let be, for the engine to judge.
             unclosed += 1
             if unclosed > _MOST_UNCLOSED:
                 raise QueryError(f"strings are not closed, up to character {match.start() + 1}: close them")
