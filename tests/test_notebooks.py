@@ -36,6 +36,10 @@ PROMISED = {
         "robot  extinguisher2  leftOf  radiator",
         "counterexample: False",
         "extinguisher2 is left of radiator",
+        "extinguisher2 0.14 m",
+        "left_of extinguisher2 radiator v0 0.084",
+        "403 SERVICE is switched off",
+        "stopped: True",
     ],
 }
 """What each notebook prints, among other things."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 from fastapi import APIRouter, Query, Request, Response
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, ValidationError
 
 from deixis.server import incoming
 from deixis.server.dataset import Dataset
@@ -112,6 +112,20 @@ class Bindings(BaseModel):
     truncated: bool = Field(description="Whether there are more than were asked for.")
 
 
+_BODY: Final = {
+    "requestBody": {"required": True, "content": {"application/json": {"schema": Goal.model_json_schema()}}}
+}
+"""FastAPI would read a body of any size: ours is read with bounds, and described here."""
+
+
+def _goal(body: bytes) -> Goal:
+    try:
+        return Goal.model_validate_json(body)
+    except ValidationError as error:
+        text = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors()[:5])
+        raise Problem(422, text.removeprefix(": ")) from None
+
+
 def api(dataset: Dataset, settings: Settings) -> APIRouter:
     """Return the routes of the JSON interface."""
     router = APIRouter(prefix="/scenes", tags=["scenes"])
@@ -170,9 +184,10 @@ def api(dataset: Dataset, settings: Settings) -> APIRouter:
         }  # fmt: skip
         return RelationPage(**await dataset.reason(scene, "relations", given))
 
-    @router.post("/{scene}/ask")
-    async def ask(scene: str, goal: Goal) -> Bindings:
+    @router.post("/{scene}/ask", openapi_extra=_BODY)
+    async def ask(scene: str, request: Request) -> Bindings:
         """Answer a goal of the Datalog subset: relations, comparisons and their negation."""
+        goal = _goal(await incoming.body_of(request, settings, settings.limits.text))
         given = {"goal": goal.goal, "limit": goal.limit, "timeout": settings.limits.timeout}
         return Bindings(**await dataset.reason(scene, "ask", given))
 

@@ -48,8 +48,12 @@ class Work:
 
     def put(self, header: Mapping[str, Any], body: bytes) -> Reply:
         """Write a graph."""
+        parts, at = [], 0
+        for form, size in header["parts"]:
+            parts.append((form, body[at : at + size]))
+            at += size
         replace, base = header["replace"], header["base"]
-        return {}, self._evaluator.put(header["name"], body, header["form"], replace=replace, base=base)
+        return {}, self._evaluator.put(header["name"], parts, replace=replace, base=base)
 
     def drop(self, header: Mapping[str, Any], _: bytes) -> Reply:
         """Remove a graph."""
