@@ -41,6 +41,7 @@ class Inference:
         self.region = region_model(region)
         self._rules = tuple(rules)
         self._engine: PrologEngine | None = None
+        self._loaded: Facts | None = None
         self._starting = threading.Lock()
 
     @classmethod
@@ -143,7 +144,10 @@ class Inference:
                 except BaseException:
                     engine.close()
                     raise
-                self._engine = engine
+                self._engine, self._loaded = engine, self.facts
+            elif self._loaded is not self.facts:
+                self._engine.load(self.facts_text(readable=False))
+                self._loaded = self.facts
             return self._engine
 
     def relations(

@@ -11,7 +11,7 @@ import difflib
 import json
 import os
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -236,14 +236,7 @@ class Scene:
     @cached_property
     def boxes(self) -> Boxes:
         """Return the minimum bounding boxes of the objects, in their order (axiom 10), surfaces marked."""
-        rows = self._rows
-        return Boxes(
-            np.array([row.center for row in rows], dtype=np.float64).reshape(-1, 3),
-            np.array([row.half for row in rows], dtype=np.float64).reshape(-1, 3),
-            np.array([row.yaw for row in rows], dtype=np.float64),
-            np.array([row.normal for row in rows], dtype=np.int64),
-            np.array([row.ambiguous for row in rows], dtype=np.bool_),
-        )
+        return _boxes(self._rows)
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:
@@ -254,17 +247,79 @@ class Scene:
 
     @cached_property
     def _rows(self) -> tuple[RegionBox, ...]:
-        rows = []
-        for thing in self.objects:
-            try:
-                rows.append(region_box(thing.region, thing.kind, self.thresholds, self.strays))
-            except DeixisError as cause:
-                raise SceneError(f"object {quoted(thing.id)}: {cause}") from cause
-        return tuple(rows)
+        return tuple(map(self._row, self.objects))
+
+    def _row(self, thing: SpatialObject) -> RegionBox:
+        try:
+            return region_box(thing.region, thing.kind, self.thresholds, self.strays)
+        except DeixisError as cause:
+            raise SceneError(f"object {quoted(thing.id)}: {cause}") from cause
 
     @cached_property
     def _positions(self) -> dict[str, int]:
         return {thing.id: position for position, thing in enumerate(self.objects)}
+
+    def changed(
+        self,
+        *,
+        objects: Iterable[SpatialObject] = (),
+        removed: Iterable[str] = (),
+        views: Iterable[View] | None = None,
+    ) -> Scene:
+        """Return the scene with some objects replaced, added or removed, at a cost of only those.
+
+        Parameters
+        ----------
+        objects : iterable of SpatialObject
+            They take the place of those with their ids; others are put at the end.
+        removed : iterable of str
+            Ids of objects that are there no more.
+        views : iterable of View, optional
+            All views from now on; by default those there are.
+
+        Raises
+        ------
+        SceneError
+            What is to be removed is not there, an object is given twice or is both given and removed, or a
+            region has no box.
+
+        Examples
+        --------
+        >>> box = BoxRegion([0, 0, 0.4], [1, 1, 0.8])
+        >>> scene = Scene("room", (SpatialObject("table", (), "object", box),))
+        >>> cup = SpatialObject("cup", (), "object", BoxRegion([0, 0, 0.85], [0.1, 0.1, 0.1]))
+        >>> [thing.id for thing in scene.changed(objects=[cup], removed=["table"]).objects]
+        ['cup']
+        """
+        gone = {self.index(name) for name in removed}
+        given = tuple(objects)
+        twice = next((name for name, times in Counter(one.id for one in given).items() if times > 1), None)
+        if twice is not None:
+            raise SceneError(f"object {quoted(twice)} is given more than once: leave out all but one")
+        rows = [self._row(thing) for thing in given]
+        # Where each object of the new scene comes from: those of before, then those given.
+        count = len(self.objects)
+        order = list(range(count))
+        for at, thing in enumerate(given):
+            position = self._positions.get(thing.id)
+            if position in gone:
+                raise SceneError(f"object {quoted(thing.id)} is both given and removed: leave out one")
+            if position is None:
+                order.append(count + at)
+            else:
+                order[position] = count + at
+        if gone:
+            order = [source for at, source in enumerate(order) if at not in gone]
+        things, kept = (*self.objects, *given), (*self._rows, *rows)
+        scene = Scene(
+            self.id, tuple([things[source] for source in order]),
+            self.views if views is None else tuple(views),
+            self.thresholds, self.diagnostics, self.strays,
+        )  # fmt: skip
+        # Known already: cached_property looks here first.
+        scene.__dict__["_rows"] = tuple([kept[source] for source in order])
+        scene.__dict__["boxes"] = self.boxes.joined(_boxes(rows)).take(np.array(order, dtype=np.int64))
+        return scene
 
     def index(self, name: str) -> int:
         """Return the position of the object with an id, or raise :class:`SceneError` with near misses."""
@@ -312,6 +367,16 @@ def scene_schema() -> dict[str, Any]:
     from deixis import scene_format
 
     return scene_format.scene_schema()
+
+
+def _boxes(rows: Sequence[RegionBox]) -> Boxes:
+    return Boxes(
+        np.array([row.center for row in rows], dtype=np.float64).reshape(-1, 3),
+        np.array([row.half for row in rows], dtype=np.float64).reshape(-1, 3),
+        np.array([row.yaw for row in rows], dtype=np.float64),
+        np.array([row.normal for row in rows], dtype=np.int64),
+        np.array([row.ambiguous for row in rows], dtype=np.bool_),
+    )
 
 
 def _object(part: ObjectPart, base: Path | None) -> SpatialObject:

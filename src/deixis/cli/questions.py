@@ -158,8 +158,8 @@ def what_if(
     with open_scene(scene, region, rules) as kb, kb.what_if(moves) as then:
         before = {(one.relation, one.figure, one.reference, one.view): one for one in kb.relations()}
         after = {(one.relation, one.figure, one.reference, one.view): one for one in then.relations()}
-        gained = [_told(one, then, timeout) for key, one in after.items() if key not in before]
-        lost = [_told(one, then, timeout) for key, one in before.items() if key not in after]
+        gained = [told_because(one, then, timeout) for key, one in after.items() if key not in before]
+        lost = [told_because(one, then, timeout) for key, one in before.items() if key not in after]
     if output is TextOrJson.JSON:
         write_json(
             {
@@ -187,7 +187,7 @@ def _move(text: str) -> tuple[str, tuple[float, float, float]]:
     return thing, (x, y, z)
 
 
-def _told(one: Relation, then: KnowledgeBase, timeout: float) -> dict[str, object]:
+def told_because(one: Relation, then: KnowledgeBase, timeout: float) -> dict[str, object]:
     """Return a relation with the reason why it holds, or not, in the world of then."""
     from deixis.explain import as_sentence
 
