@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from deixis.engines import Engine
     from deixis.explain import Answer, Proof, Refusal
     from deixis.inspection import Inspection
+    from deixis.leaves import Explained, Gathering
     from deixis.living import Known, Living
     from deixis.updates import Changes, Update
 
@@ -78,6 +79,30 @@ class KnowledgeBase(Inference):
         from deixis.explain import Refusal
 
         return Refusal.from_dict(self._explained("why_not", goal, timeout))
+
+    def evidence(self, found: Explained) -> Explained:
+        """Return an answer, a refusal, an inspection or a proof with the evidence of its leaves.
+
+        That is what was measured and compared, by name, and what is to be seen of it: see
+        :class:`deixis.evidence.Evidence`.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     proof = kb.evidence(kb.why("on_top_of(sweater, heater)")).proof
+        >>> proof.children[1].children[0].evidence.witness.points
+        ((1.6, 1.9, 0.6), (1.6, 1.9, 0.6))
+        """
+        from deixis.leaves import with_evidence
+
+        return with_evidence(self._gathering, found)
+
+    @cached_property
+    def _gathering(self) -> Gathering:
+        from deixis.leaves import Gathering
+
+        return Gathering(self.scene, self.facts)
 
     def _explained(self, operation: str, goal: str, timeout: float) -> dict[str, Any]:
         from deixis.prolog.engine import question_text
@@ -205,6 +230,8 @@ class KnowledgeBase(Inference):
             looked = bool(update.views or update.removed_views)
             found = living.advance(facts, labels, update.things, looked=looked)
             self.scene, self.facts = after, facts
+            # What was made of the facts of before is made anew when it is asked for.
+            self.__dict__.pop("_gathering", None)
         gained, lost = (in_order(map(_relation, some.items())) for some in (found.gained, found.lost))
         changes = Changes(update.stamp, gained, lost)
         for subscriber in tuple(self._subscribers):
@@ -241,11 +268,12 @@ class KnowledgeBase(Inference):
         return after
 
     def proofs(
-        self, *, relation: Iterable[str] | None = None, timeout: float = 300.0
+        self, *, relation: Iterable[str] | None = None, evidence: bool = False, timeout: float = 300.0
     ) -> dict[tuple[str, ...], Proof]:
         """Return the shortest proof of all that holds, by the relation's name and its arguments.
 
-        What is asked for, and what is raised, is as for :meth:`relations`.
+        With ``evidence`` the leaves have theirs, as :meth:`evidence` gives it. What is asked for, and what is
+        raised, is as for :meth:`relations`.
 
         Examples
         --------
@@ -260,7 +288,9 @@ class KnowledgeBase(Inference):
         names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
         wanted: list[Any] = [[Atom(name), arity] for one in names for name, arity in self._predicates(one)]
         found: Any = self.engine.call("proofs", *wanted, timeout=timeout)
-        proofs = map(Proof.from_dict, found)
+        proofs = [Proof.from_dict(one) for one in found]
+        if evidence:
+            proofs = self._gathering.gather(proofs)
         return {(one.predicate, *map(str, one.args)): one for one in proofs}
 
 
