@@ -22,11 +22,10 @@ import numpy as np
 from deixis._files import write_whole
 from deixis.boxes import Boxes
 from deixis.errors import DeixisError, SceneError, ThresholdError
-from deixis.frames import WORLD, Array
+from deixis.frames import WORLD
 from deixis.pieces import Strays
 from deixis.regions import (
     BoxRegion,
-    Kind,
     MeshRegion,
     PointRegion,
     Region,
@@ -34,14 +33,14 @@ from deixis.regions import (
     SurfaceRegion,
     part_of,
     region_box,
-    region_values,
     turned_oddly,
 )
 from deixis.strict_json import parse, quoted, read_bytes
+from deixis.things import Label, SpatialObject, View, object_of, object_values, view_of, view_values
 from deixis.thresholds import Thresholds
 
 if TYPE_CHECKING:
-    from deixis.scene_format import ObjectPart, ViewPart
+    pass
 
 __all__ = [
     "BoxRegion",
@@ -61,77 +60,6 @@ HUGE: Final = 1.0e4
 
 TINY: Final = 1.0e-3
 """Metres: where no thing is longer than this the unit is more likely kilometres."""
-
-
-@dataclass(frozen=True, slots=True)
-class Label:
-    """What a thing may be called, and how sure that is: ``score`` is from 0 to 1."""
-
-    name: str
-    score: float = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class SpatialObject:
-    """A thing or a surface with its region (sReg, axioms 1-3).
-
-    Attributes
-    ----------
-    id : str
-        Unique in its scene.
-    labels : tuple of Label
-        Best first; may be empty.
-    kind : "object" or "surface"
-        A surface is a wall, floor or ceiling: always a reference, never a figure.
-    region : Region
-    """
-
-    id: str
-    labels: tuple[Label, ...]
-    kind: Kind
-    region: Region
-
-    def __post_init__(self) -> None:
-        ranked = tuple(sorted(self.labels, key=lambda label: -label.score))
-        object.__setattr__(self, "labels", ranked)
-
-    @property
-    def label(self) -> str:
-        """Return the best label's name, or the empty string where there is none."""
-        return self.labels[0].name if self.labels else ""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class View:
-    """A pose the scene is seen from (F_r): the robot's or anyone's.
-
-    Attributes
-    ----------
-    id : str
-        Unique in its scene, and not ``world``.
-    label : str
-        Who looks, such as ``robot`` or ``you``; may be empty.
-    position : (3,) float
-        Metres, world frame.
-    heading : float
-        Radians from the world's X axis. No relation depends on it: F_r' faces the reference instead.
-    stamp : float or None
-        Seconds since the epoch of the recording.
-    """
-
-    id: str
-    label: str
-    position: Array
-    heading: float = 0.0
-    stamp: float | None = None
-
-    def __post_init__(self) -> None:
-        position = np.array(self.position, dtype=np.float64)
-        if position.shape != (3,) or not np.isfinite([*position, self.heading]).all():
-            raise SceneError(f"view {quoted(self.id)}: its pose is not finite: give x, y, z and a heading")
-        position.setflags(write=False)
-        object.__setattr__(self, "position", position)
-        object.__setattr__(self, "heading", float(self.heading))
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,8 +155,8 @@ class Scene:
             limits = Thresholds.of(parts.thresholds.model_dump(exclude_unset=True))
         except ThresholdError as cause:
             raise SceneError(f"scene {quoted(parts.id)}: {cause}") from cause
-        objects = tuple(_object(part, base) for part in parts.objects)
-        views = tuple(_view(part) for part in parts.views)
+        objects = tuple(object_of(part, base) for part in parts.objects)
+        views = tuple(view_of(part) for part in parts.views)
         scene = cls(parts.id, objects, views, limits, strays=parts.strays)
         object.__setattr__(scene, "diagnostics", (*diagnostics, *_oddities(scene)))
         return scene
@@ -335,8 +263,8 @@ class Scene:
         result: dict[str, Any] = {"deixis": 1, "id": self.id}
         if self.strays != "drop":
             result["strays"] = self.strays
-        result["objects"] = [_object_values(thing) for thing in self.objects]
-        result["views"] = [_view_values(view) for view in self.views]
+        result["objects"] = [object_values(thing) for thing in self.objects]
+        result["views"] = [view_values(view) for view in self.views]
         defaults = dict(Thresholds().items())
         changed = {name: value for name, value in self.thresholds.items() if value != defaults[name]}
         return {**result, "thresholds": changed} if changed else result
@@ -379,43 +307,6 @@ def _boxes(rows: Sequence[RegionBox]) -> Boxes:
     )
 
 
-def _object(part: ObjectPart, base: Path | None) -> SpatialObject:
-    given = part.model_fields_set
-    labels: tuple[Label, ...] = ()
-    if "label" in given:
-        labels = (Label(part.label),)
-    elif "labels" in given:
-        labels = tuple(Label(label.name, float(label.score)) for label in part.labels)
-    try:
-        region = _region(part, given, base)
-    except SceneError as cause:
-        raise SceneError(f"object {quoted(part.id)}: {cause}") from cause
-    return SpatialObject(part.id, labels, part.kind, region)
-
-
-def _region(part: ObjectPart, given: set[str], base: Path | None) -> Region:
-    from deixis.mesh_file import locate, read_geometry
-
-    if "box" in given:
-        return BoxRegion(np.array(part.box.center), np.array(part.box.size), part.box.yaw)
-    if "polygon" in given:
-        return SurfaceRegion(np.array(part.polygon))
-    if "points" in given:
-        if isinstance(part.points, str):
-            return PointRegion(read_geometry(locate(part.points, base))[0])
-        return PointRegion(np.array(part.points))
-    if isinstance(part.mesh, str):
-        return MeshRegion(*read_geometry(locate(part.mesh, base)))
-    return MeshRegion(np.array(part.mesh.vertices), np.array(part.mesh.faces))
-
-
-def _view(part: ViewPart) -> View:
-    given = part.model_fields_set
-    label = part.label if "label" in given else ""
-    stamp = float(part.stamp) if "stamp" in given else None
-    return View(part.id, label, np.array(part.position), part.heading, stamp)
-
-
 def _oddities(scene: Scene) -> list[str]:
     """Return sentences on what is allowed but looks like a mistake: units, angles, surfaces out of true."""
     notes = [
@@ -431,23 +322,3 @@ def _oddities(scene: Scene) -> list[str]:
         notes.append(f"scene {quoted(scene.id)}: nothing is longer than 1 mm: is the unit kilometres?")
     turns = [(f"view {quoted(view.id)}: ", turned_oddly("heading", view.heading)) for view in scene.views]
     return notes + [name + note for name, note in turns if note]
-
-
-def _object_values(thing: SpatialObject) -> dict[str, Any]:
-    values: dict[str, Any] = {"id": thing.id}
-    if thing.kind != "object":
-        values["kind"] = thing.kind
-    if len(thing.labels) == 1 and thing.labels[0].score == 1.0:
-        values["label"] = thing.label
-    elif thing.labels:
-        values["labels"] = [{"name": label.name, "score": label.score} for label in thing.labels]
-    return values | region_values(thing.region)
-
-
-def _view_values(view: View) -> dict[str, Any]:
-    values: dict[str, Any] = {"id": view.id}
-    if view.label:
-        values["label"] = view.label
-    values["position"] = view.position.tolist()
-    values["heading"] = view.heading
-    return values if view.stamp is None else {**values, "stamp": view.stamp}
