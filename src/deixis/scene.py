@@ -15,7 +15,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -38,9 +38,6 @@ from deixis.regions import (
 from deixis.strict_json import parse, quoted, read_bytes
 from deixis.things import Label, SpatialObject, View, object_of, object_values, view_of, view_values
 from deixis.thresholds import Thresholds
-
-if TYPE_CHECKING:
-    pass
 
 __all__ = [
     "BoxRegion",
