@@ -5,14 +5,20 @@
             nearest_miss/2,             % :Goal, -Node
             misses/2,                   % :Goal, -Nodes
             refusal/2,                  % :Goal, -Node
-            why/1                       % :Goal
+            all_proofs/4,               % :Goal, +Most, -Nodes, -More
+            opposed/3,                  % :Goal, :Other, -Text
+            why/1,                      % :Goal
+            contrast/2                  % :Goal, :Other
           ]).
-:- use_module(library(lists)).
+:- use_module(library(lists), [append/3, member/2, last/2]).
 :- use_module(library(apply)).
 :- use_module(library(aggregate)).
+:- use_module(library(solution_sequences)).
 :- use_module(facts).
 :- use_module(axioms).
+:- use_module(outline).
 :- use_module(verbalise).
+:- use_module(words).
 
 /** <module> Why a relation holds: proofs with margins
 
@@ -32,7 +38,10 @@ Clause is a clause reference or `none`; Margin is a number, or `inf` where no le
     nearest_miss(0, -),
     misses(0, -),
     refusal(0, -),
-    why(0).
+    all_proofs(0, +, -, -),
+    opposed(0, 0, -),
+    why(0),
+    contrast(0, 0).
 
 %!  proof(:Goal, -Node) is nondet.
 %
@@ -48,6 +57,29 @@ proof(M:Goal, Node) :-
 best_proof(Goal, Node) :-
     findall(Goal-N, proof(Goal, N), [First|Rest]),
     foldl(better, Rest, First, Goal-Node).
+
+%!  all_proofs(:Goal, +Most, -Nodes:list, -More:boolean) is det.
+%
+%   Nodes are the first Most different proofs of Goal, the best first; More tells whether there are others.
+
+all_proofs(Goal, Most, Nodes, More) :-
+    Enough is Most + 1,
+    findall(N, limit(Enough, distinct(N, proof(Goal, N))), Found),
+    (   length(Found, Enough)
+    ->  append(Kept, [_], Found),
+        More = true
+    ;   Kept = Found,
+        More = false
+    ),
+    predsort(sooner, Kept, Nodes).
+
+%   The better first, none left out.
+
+sooner(Order, A, B) :-
+    (   better(a-A, b-B, a-_)
+    ->  Order = (<)
+    ;   Order = (>)
+    ).
 
 better(GoalA-A, GoalB-B, Best) :-
     size(A, SizeA),
@@ -297,6 +329,44 @@ weaker(Node, B, C) :-
 size(node(_, _, _, _, Children), Size) :-
     foldl([Child, S0, S]>>( size(Child, S1), S is S0 + S1 ), Children, 1, Size).
 
+%!  opposed(:Goal, :Other, -Text:string) is det.
+%
+%   Text says why Goal holds rather than Other, in a sentence: that it does, and what keeps Other from it.
+
+opposed(Goal, M:Other, Text) :-
+    (   best_proof(Goal, Node)
+    ->  node_text(Node, Fact),
+        (   best_proof(M:Other, Holding)
+        ->  node_text(Holding, OtherText),
+            saying(both_hold, [Fact, OtherText], Text)
+        ;   denied_text(Other, Denied),
+            hindrances(M:Other, Reasons),
+            (   Reasons == []
+            ->  saying(but, [Fact, Denied], Text)
+            ;   joined(Reasons, Reason),
+                saying(but_because, [Fact, Denied, Reason], Text)
+            )
+        )
+    ;   strip_module(Goal, _, Plain),
+        denied_text(Plain, Fact),
+        saying(nothing_to_contrast, [Fact], Text)
+    ).
+
+%   hindrances(:Goal, -Texts): what keeps Goal from holding, by the rule that comes closest.
+
+hindrances(M:Goal, Texts) :-
+    (   hindrance(Goal, Text)
+    ->  Texts = [Text]
+    ;   misses(M:Goal, [Miss|_])
+    ->  obstacles(Miss, Texts)
+    ;   Texts = []
+    ).
+
+joined([Text], Text) :- !.
+joined([Text|Texts], Whole) :-
+    joined(Texts, Rest),
+    saying(both, [Text, Rest], Whole).
+
 %!  why(:Goal) is det.
 %
 %   Print why Goal holds, down to the measured numbers; or that it does not, and by how much.
@@ -307,3 +377,11 @@ why(Goal) :-
     ;   refusal(Goal, Node),
         print_proof(Node)
     ).
+
+%!  contrast(:Goal, :Other) is det.
+%
+%   Print in a sentence why Goal holds rather than Other.
+
+contrast(Goal, Other) :-
+    opposed(Goal, Other, Text),
+    format("~s.~n", [Text]).
