@@ -13,7 +13,7 @@ from deixis.wording import ENGLISH, Words, as_sentence
 Kind = Literal["rule", "fact", "comparison", "negation", "conjunction"]
 
 Length = Literal["brief", "normal", "full"]
-"""How much of a proof is told: its conclusion and what decides it; an outline; every step with its evidence."""
+"""How much of a proof is told: what decides it; an outline; every step with its evidence."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,7 +255,7 @@ class Answer:
         return self.proof is not None
 
     def told(self, length: Length = "normal") -> str:
-        """Return the proof at one of three lengths; of what does not hold, that it does not, and by how much."""
+        """Return the proof at one of three lengths; of what does not hold, by how much it does not."""
         if self.proof is not None:
             return self.proof.told(length)
         told = f"{self.words.no}: {self.text}."
