@@ -18,9 +18,8 @@ from deixis.cli.commands import (
     TextOrJson,
     app,
     open_scene,
-    warn,
 )
-from deixis.cli.output import printable, printable_lines, write_json
+from deixis.cli.output import printable, printable_lines, warn, write_json
 from deixis.errors import QueryError
 
 
