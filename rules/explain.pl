@@ -110,8 +110,8 @@ nearest_miss(M:Goal, Node) :-
 
 %!  misses(:Goal, -Nodes:list) is det.
 %
-%   Nodes are the derivations that come closest to Goal, one for each rule that concludes it and whose facts
-%   are there, nearest first. A rule without a measured fact to go by has none.
+%   Nodes are the derivations that come closest to Goal, one for each rule that could conclude it, nearest
+%   first, and last those that more keeps from holding than a length.
 
 misses(M:Goal, Nodes) :-
     findall(Clause-Node, ( near_whole(Goal, M, Node), Node = node(_, _, _, Clause, _) ), Pairs),
@@ -123,7 +123,74 @@ misses(M:Goal, Nodes) :-
               foldl(closer, Rest, First, Best)
             ),
             Bests),
-    predsort(nearer, Bests, Nodes).
+    findall(Node, blocked(Goal, M, Clauses, Node), Others),
+    predsort(nearer, Bests, Measured),
+    append(Measured, Others, Nodes).
+
+%   blocked(+Goal, +Module, +Clauses, -Node): the derivation of Goal by a rule that is not among Clauses, since
+%   something other than a measured length keeps it from holding: a label, the order of figure and reference,
+%   a number that is no length. As many of its first goals as can be derived are; then each that cannot fails.
+
+blocked(Goal, M, Clauses, node(rule, Goal, minus_inf, Clause, Children)) :-
+    step(Goal, M, rule(Def)),
+    clause(Def:Goal, Body, Clause),
+    \+ memberchk(Clause, Clauses),
+    phrase(goals(Body), Goals),
+    begun(Goals, Goal, Def, Done, Rest),
+    foldl(part(Def, Goal), Rest, More, []),
+    append(Done, More, Children).
+
+goals(true) --> !.
+goals((A, B)) --> !, goals(A), goals(B).
+goals(Goal) --> [Goal].
+
+%   begun(+Goals, +Above, +Module, -Done, -Rest): Done derives as many of the first Goals as can be, in the way
+%   that comes closest to holding; of the rest the first cannot be derived after them.
+
+begun(Goals, Above, M, Done, Rest) :-
+    length(Goals, All),
+    between(1, All, Left),
+    length(Rest, Left),
+    append(First, Rest, Goals),
+    closest(Goals-Above, derive_list(First, M, Above), Done),
+    !.
+
+derive_list([], _, _, []).
+derive_list([Goal|Goals], M, Above, [Node|Nodes]) :-
+    derive(nears, Goal, M, [Above], Node),
+    derive_list(Goals, M, Above, Nodes).
+
+%   closest(+Bound, :Goal, -Nodes): of the first ways in which Goal derives Nodes, binding what is Bound, that
+%   with the widest margin.
+
+closest(Bound, Goal, Nodes) :-
+    most_ways(Most),
+    findall(Margin-way(Bound, Ways), limit(Most, ( call(Goal, Ways), weakest(Ways, Margin) )), [First|Rest]),
+    foldl(wider, Rest, First, _-way(Bound, Nodes)).
+
+wider(A-X, B-Y, C) :-
+    (   less(B, A)
+    ->  C = A-X
+    ;   C = B-Y
+    ).
+
+most_ways(1000).
+
+%   part(+Module, +Above, +Goal, ?Nodes, ?Tail): a goal after one that cannot be derived. What that one would
+%   have bound is open, so of comparisons and denials only those are told that do without.
+
+part(_, _, Goal, Nodes, Nodes) :-
+    \+ ground(Goal),
+    ( comparison(Goal) ; Goal = (\+ _) ),
+    !.
+part(M, Above, Goal, [Node|Nodes], Nodes) :-
+    closest(Goal, derive_list([Goal], M, Above), [Node]),
+    !.
+part(_, _, Goal, [node(Kind, Goal, minus_inf, none, [])|Nodes], Nodes) :-
+    (   comparison(Goal)
+    ->  Kind = comparison
+    ;   Kind = rule
+    ).
 
 nearer(Order, A, B) :-
     margin(A, MA),

@@ -9,6 +9,7 @@
 :- use_module(library(apply)).
 :- use_module(facts).
 :- use_module(axioms).
+:- use_module(direction, []).
 :- use_module(amounts).
 :- use_module(naming).
 :- use_module(words).
@@ -246,7 +247,11 @@ comparison_text(Marked, Margin, Text) :-
             string_concat(Core, Aside, Text)
         ;   number_text(A, X),
             number_text(B, Y),
-            saying(compared, [X, Operator, Y], Text)
+            saying(compared, [X, Operator, Y], Core),
+            (   call(Goal)
+            ->  Text = Core
+            ;   saying(not_so, [Core], Text)
+            )
         )
     ;   goal_text(Goal, yes, Text)
     ).
@@ -258,20 +263,34 @@ comparison_text(Marked, Margin, Text) :-
 
 hindrance(Goal, Text) :-
     functor(Goal, Name, Arity),
-    relation(Name/Arity),
-    Goal =.. [Name, Figure, Reference|View],
+    once(( relation(Name/Arity) ; base(Name/Arity) )),
+    Goal =.. [Name, Figure, Reference|Views],
     atom(Figure),
     atom(Reference),
-    (   \+ figure_reference(Figure, Reference),
+    Figure \== Reference,
+    (   one_way(Name/Arity),
+        \+ figure_reference(Figure, Reference),
         figure_reference(Reference, Figure)
     ->  hindrance_text(order(Figure, Reference), Text)
-    ;   View = [V],
-        withheld(Reference, V, Reason)
-    ->  hindrance_text(withheld(Reference, V, Reason), Text)
-    ;   \+ pair(Figure, Reference, _, _, _, _, _, _, _),
-        Figure \== Reference
+    ;   Views = [View],
+        withheld(Reference, View, Reason)
+    ->  hindrance_text(withheld(Reference, View, Reason), Text)
+    ;   \+ pair(Figure, Reference, _, _, _, _, _, _, _)
     ->  hindrance_text(apart(Figure, Reference), Text)
+    ;   atom_concat(Side, '_s', Name),
+        atom_concat(Side, '_r', Relaxed),
+        Weaker =.. [Relaxed, Figure, Reference],
+        \+ direction:Weaker
+    ->  denied_text(Weaker, Text)
     ).
+
+%   one_way(+Predicate): it is concluded in figure-reference order only.
+
+one_way(Predicate) :- relation(Predicate), !.
+one_way(Name/2) :-
+    member(Side, [east, west, north, south]),
+    atom_concat(Side, _, Name),
+    !.
 
 hindrance_text(What, Text) :-
     language(Words),
@@ -285,11 +304,27 @@ hindrance_text(What, Text) :-
 obstacles(node(_, _, _, _, Children), Texts) :-
     findall(Text, ( member(Child, Children), fails(Child), obstacle(Child, Text) ), Texts).
 
+%   fails(+Node): by the sign of its margin; at a bound, where that is zero, by what it consists of.
+
 fails(node(_, _, Margin, _, _)) :-
-    (   number(Margin)
-    ->  Margin < 0
-    ;   Margin == minus_inf
-    ).
+    number(Margin),
+    Margin =\= 0,
+    !,
+    Margin < 0.
+fails(node(_, _, minus_inf, _, _)) :- !.
+fails(node(comparison, Marked, Margin, _, _)) :-
+    number(Margin),
+    !,
+    plain(Marked, Goal),
+    \+ call(Goal).
+fails(node(negation, _, _, _, [Miss])) :-
+    !,
+    \+ fails(Miss).
+fails(node(_, _, Margin, _, Children)) :-
+    number(Margin),
+    member(Child, Children),
+    fails(Child),
+    !.
 
 %   Of a denial what refutes it is named; of a rule or fact, that it does not hold.
 

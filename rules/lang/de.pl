@@ -29,10 +29,10 @@ quotation marks, without an article, and in constructions where neither it nor w
 
 sentence(spatial_obj(O), [the(O), v(ist, 'ist nicht'), 'in dieser Szene']).
 sentence(surface(O), [the(O), v('ist eine', 'ist keine'), 'Fläche']).
-sentence(figure_reference(_, R), [the(R), v('ist der', 'ist nicht der'), 'Bezug, denn es ist eine Fläche']) :-
+sentence(figure_reference(_, R), [the(R), v('ist der Bezug, denn es ist eine Fläche', 'ist nicht der Bezug')]) :-
     nonvar(R), surface(R), !.
 sentence(figure_reference(F, R),
-         [the(R), v('ist der', 'ist nicht der'), 'Bezug, denn', the(F), 'ist nicht größer']).
+         [the(R), v('ist der Bezug, denn', 'ist nicht der Bezug von'), the(F), v('ist nicht größer', '')]).
 sentence(viewpoint(V), [v('es gibt einen', 'es gibt keinen'), 'Blick', view(V)]).
 sentence(distance(A, B, N), [the(A), und, the(B), v(sind, 'sind nicht'), metres(N), 'voneinander entfernt']).
 sentence(separation(A, B, N),

@@ -32,9 +32,9 @@ predicates, see words.pl.
 
 sentence(spatial_obj(O), [the(O), v(is, 'is not'), 'an object of this scene']).
 sentence(surface(O), [the(O), v(is, 'is not'), 'a surface']).
-sentence(figure_reference(_, R), [the(R), v(is, 'is not'), 'the reference, being a surface']) :-
+sentence(figure_reference(_, R), [the(R), v('is the reference, being a surface', 'is not the reference')]) :-
     nonvar(R), surface(R), !.
-sentence(figure_reference(F, R), [the(R), v(is, 'is not'), 'the reference, being not smaller than', the(F)]).
+sentence(figure_reference(F, R), [the(R), v('is the reference, being not smaller than', 'is not the reference of'), the(F)]).
 sentence(viewpoint(V), ['there', v(is, 'is not'), 'a view', view(V)]).
 sentence(distance(A, B, N), [the(A), 'and', the(B), v(are, 'are not'), metres(N), 'apart']).
 sentence(separation(A, B, N), ['the gap between', the(A), 'and', the(B), v(is, 'is not'), metres(N)]) :-

@@ -15,7 +15,6 @@ from deixis.cli import serve as serve_command
 from deixis.cli.output import (
     Format,
     RelationFormat,
-    printable,
     printable_lines,
     records,
     warn,
