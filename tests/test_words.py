@@ -129,7 +129,8 @@ def test_every_language_says_every_predicate_in_both_polarities(
         assert len(yes) > 130
         for (_, name, one), (_, _, other) in zip(yes, no, strict=True):
             assert one != other, (language, name)
-            assert not re.search(r"\w\(|not so|trifft nicht zu|  |_G?\d|~", one + other), (
+            strange = r"\w\(|not so that|trifft nicht zu|  |_G?\d|~"
+            assert not re.search(strange, one + other), (
                 language,
                 one,
                 other,
@@ -169,7 +170,8 @@ GERMAN = {
     "left_of(extinguisher2, radiator, v0)":
         "„fire extinguisher“ auf „floor“ ist links von „radiator“ von „robot“ aus gesehen",
     "left_of(extinguisher2, radiator, v1)":
-        "„fire extinguisher“ auf „floor“ ist nicht links von „radiator“ von dir aus gesehen (es fehlen 11 cm)",
+        "„fire extinguisher“ auf „floor“ ist nicht links von „radiator“ von dir aus gesehen "
+        "(es fehlen 11 cm)",
 }  # fmt: skip
 
 
