@@ -60,18 +60,25 @@ best_proof(Goal, Node) :-
 
 %!  all_proofs(:Goal, +Most, -Nodes:list, -More:boolean) is det.
 %
-%   Nodes are the first Most different proofs of Goal, the best first; More tells whether there are others.
+%   Nodes are at most Most different proofs of Goal, the best of all first; More tells whether there are
+%   others.
 
 all_proofs(Goal, Most, Nodes, More) :-
     Enough is Most + 1,
     findall(N, limit(Enough, distinct(N, proof(Goal, N))), Found),
     (   length(Found, Enough)
-    ->  append(Kept, [_], Found),
-        More = true
-    ;   Kept = Found,
-        More = false
-    ),
-    predsort(sooner, Kept, Nodes).
+    ->  More = true,
+        copy_term(Goal, Any),
+        best_proof(Any, Best),
+        exclude(=@=(Best), Found, Others),
+        Rest is Most - 1,
+        length(Kept, Rest),
+        append(Kept, _, Others),
+        predsort(sooner, Kept, Ordered),
+        Nodes = [Best|Ordered]
+    ;   More = false,
+        predsort(sooner, Found, Nodes)
+    ).
 
 %   The better first, none left out.
 

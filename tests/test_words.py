@@ -304,6 +304,8 @@ def test_all_proofs(figure_3: Scene) -> None:
         assert (every.proofs, every.truncated) == ((one,), False)
         cut = kb.why_all("near(X, Y)", limit=3)
         assert (len(cut.proofs), cut.truncated) == (3, True)
+        assert cut.proofs[0] == kb.why("near(X, Y)").proof
+        assert len(kb.why_all("near(X, Y)", limit=1).proofs) == 1
         assert not kb.why_all("near(sign, heater)")
         with pytest.raises(QueryError, match="limit is 0"):
             kb.why_all("near(X, Y)", limit=0)

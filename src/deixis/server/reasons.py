@@ -165,12 +165,12 @@ class Reasons:
 
     def change(self, *, goal: str) -> dict[str, Any]:
         """Return the smallest move that makes a relation hold, or cease to."""
-        found = self.explaining.change(goal)
+        found = self.kb.change(goal)
         return {"goal": goal, "change": None if found is None else found.to_dict()}
 
     def what_if(self, *, moves: dict[str, list[float]], limit: int, timeout: float) -> dict[str, Any]:
         """Return what would be otherwise if things stood elsewhere."""
-        return self.explaining.consequences(moves, limit=limit, timeout=timeout).to_dict()
+        return self.kb.consequences(moves, limit=limit, timeout=timeout).to_dict()
 
 
 def _cursor(position: int) -> str:
