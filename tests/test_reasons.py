@@ -122,7 +122,7 @@ def big(alike: int) -> KnowledgeBase:
 
 @pytest.mark.parametrize("alike", [0, 100, 1000])
 def test_an_answer_takes_no_time_in_a_scene_of_a_thousand(alike: int) -> None:
-    """Warm: 50 ms for why, 100 ms for why-not, the least of three."""
+    """Warm: 50 ms for why, 100 ms for why-not; the least of some, since others use the machine too."""
     with big(alike) as kb:
         pick = random.Random(2)  # noqa: S311 - no secret
         holding = kb.relations()
@@ -137,7 +137,7 @@ def test_an_answer_takes_no_time_in_a_scene_of_a_thousand(alike: int) -> None:
 
 def least(ask: Callable[[str], object], goal: str) -> float:
     taken = []
-    for _ in range(3):
+    for _ in range(12):
         start = time.perf_counter()
         ask(goal)
         taken.append(time.perf_counter() - start)
