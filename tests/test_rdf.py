@@ -251,7 +251,7 @@ def test_premises_lead_to_steps_that_say_something(hans: ox.Store) -> None:
         "Absence": 2,
         "Measurement": 1,
     }
-    assert ("urn:deixis:term:Derivation", "the fire extinguisher (extinguisher2) touches the wall") in why
+    assert ("urn:deixis:term:Derivation", "the fire extinguisher on the floor touches the wall") in why
 
 
 def test_every_leaf_says_its_rule_its_numbers_and_where_it_was_measured(hans: ox.Store) -> None:

@@ -5,31 +5,28 @@ from __future__ import annotations
 import math
 import os
 import threading
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from deixis.errors import QueryError
+from deixis.explaining import Explaining
 from deixis.facts import RegionModel
 from deixis.frames import WORLD
-from deixis.hints import hint
-from deixis.inference import Inference
 from deixis.relations import Relation, in_order, rounded
 from deixis.scene import Scene
 from deixis.vocabulary import RELATIONS
 
 if TYPE_CHECKING:
+    from deixis.consequences import Consequences
     from deixis.counterfactual import Change
     from deixis.engines import Engine
-    from deixis.explain import Answer, Proof, Refusal
     from deixis.inspection import Inspection
-    from deixis.leaves import Explained, Gathering
     from deixis.living import Known, Living
     from deixis.updates import Changes, Update
 
 
-class KnowledgeBase(Inference):
+class KnowledgeBase(Explaining):
     """A scene with everything that follows from it.
 
     The geometry is grounded on first use; SWI-Prolog is started, in a process of its own, with the first
@@ -44,6 +41,8 @@ class KnowledgeBase(Inference):
         ``use_module`` is loaded too. They are checked before any engine sees them.
     region : "box", "hull" or "mesh"
         What things are measured as: their boxes, convex hulls, or meshes where they have one (decision 0017).
+    language : str
+        What sentences are in: a file of ``rules/lang``, ``en`` or ``de``.
 
     Examples
     --------
@@ -54,65 +53,16 @@ class KnowledgeBase(Inference):
     """
 
     def __init__(
-        self, scene: Scene, *, rules: Sequence[str | os.PathLike[str]] = (), region: RegionModel = "box"
+        self,
+        scene: Scene,
+        *,
+        rules: Sequence[str | os.PathLike[str]] = (),
+        region: RegionModel = "box",
+        language: str = "en",
     ) -> None:
-        super().__init__(scene, rules=rules, region=region)
+        super().__init__(scene, rules=rules, region=region, language=language)
         self._updating = threading.Lock()
         self._subscribers: list[Callable[[Changes], object]] = []
-
-    def why(self, goal: str, *, timeout: float = 10.0) -> Answer:
-        """Return the shortest proof of a goal such as ``leans_on(ladder, wall)``, or how far it is from one.
-
-        Raises
-        ------
-        QueryError
-            The goal is not one relation of known things.
-        QueryTimeout
-            It took longer than ``timeout`` seconds.
-        """
-        from deixis.explain import Answer
-
-        return Answer.from_dict({**self._explained("why", goal, timeout), "measured_as": self.measured_as})
-
-    def why_not(self, goal: str, *, timeout: float = 10.0) -> Refusal:
-        """Return what keeps each rule from concluding a goal, nearest first; raises as :meth:`why` does."""
-        from deixis.explain import Refusal
-
-        return Refusal.from_dict(self._explained("why_not", goal, timeout))
-
-    def evidence(self, found: Explained) -> Explained:
-        """Return an answer, a refusal, an inspection or a proof with the evidence of its leaves.
-
-        That is what was measured and compared, by name, and what is to be seen of it: see
-        :class:`deixis.evidence.Evidence`.
-
-        Examples
-        --------
-        >>> from deixis._files import kb_dir
-        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
-        ...     proof = kb.evidence(kb.why("on_top_of(sweater, heater)")).proof
-        >>> proof.children[1].children[0].evidence.witness.points
-        ((1.6, 1.9, 0.6), (1.6, 1.9, 0.6))
-        """
-        from deixis.leaves import with_evidence
-
-        return with_evidence(self._gathering, found)
-
-    @cached_property
-    def _gathering(self) -> Gathering:
-        from deixis.leaves import Gathering
-
-        return Gathering(self.scene, self.facts)
-
-    def _explained(self, operation: str, goal: str, timeout: float) -> dict[str, Any]:
-        from deixis.prolog.engine import question_text
-
-        reply: Any = self.engine.call(operation, question_text(goal), timeout=timeout)
-        if "unknown" in reply:
-            known = [*self.facts.ids, *(view.id for view in self.scene.views)]
-            name = reply["unknown"]
-            raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{hint(name, known)}")
-        return dict(reply)
 
     def check(
         self,
@@ -168,7 +118,8 @@ class KnowledgeBase(Inference):
             self.check_view(view)
             scene = replace(scene, views=tuple(one for one in scene.views if one.id == view))
             facts = replace(facts, views=tuple(one for one in facts.views if one.view in (WORLD, view)))
-        variant = KnowledgeBase(scene, rules=self._rules or ("safety",), region=self.region)
+        rules = self._rules or ("safety",)
+        variant = KnowledgeBase(scene, rules=rules, region=self.region, language=self.language)
         variant.facts = facts
         return variant
 
@@ -263,35 +214,29 @@ class KnowledgeBase(Inference):
         from deixis.counterfactual import moved
         from deixis.regrounding import reground
 
-        after = KnowledgeBase(moved(self.scene, moves), rules=self._rules, region=self.region)
+        then = moved(self.scene, moves)
+        after = KnowledgeBase(then, rules=self._rules, region=self.region, language=self.language)
         after.facts = reground(self.scene, self.facts, after.scene)
         return after
 
-    def proofs(
-        self, *, relation: Iterable[str] | None = None, evidence: bool = False, timeout: float = 300.0
-    ) -> dict[tuple[str, ...], Proof]:
-        """Return the shortest proof of all that holds, by the relation's name and its arguments.
-
-        With ``evidence`` the leaves have theirs, as :meth:`evidence` gives it. What is asked for, and what is
-        raised, is as for :meth:`relations`.
+    def consequences(
+        self, moves: Mapping[str, Sequence[float]], *, limit: int | None = None, timeout: float = 60.0
+    ) -> Consequences:
+        """Return the relations gained and lost if some things are moved by x, y, z metres, with reasons.
 
         Examples
         --------
         >>> from deixis._files import kb_dir
         >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
-        ...     kb.proofs(relation=["leans_on"])["leans_on", "extinguisher2", "wall"].axiom
-        37
+        ...     found = kb.consequences({"sweater": (0.0, 0.0, 0.1)})
+        >>> len(found.gained), [one.because for one in found.lost]
+        (0, ['The sweater is not on top of the electric heater (short by 8 cm).'])
         """
-        from deixis.explain import Proof
-        from deixis.prolog import Atom
+        from deixis.consequences import compared
 
-        names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
-        wanted: list[Any] = [[Atom(name), arity] for one in names for name, arity in self._predicates(one)]
-        found: Any = self.engine.call("proofs", *wanted, timeout=timeout)
-        proofs = [Proof.from_dict(one) for one in found]
-        if evidence:
-            proofs = self._gathering.gather(proofs)
-        return {(one.predicate, *map(str, one.args)): one for one in proofs}
+        with self.what_if(moves) as then:
+            before, after = self.relations(timeout=timeout), then.relations(timeout=timeout)
+            return compared(before, after, partial(then.why, timeout=timeout), limit)
 
 
 def _relation(known: tuple[Known, float]) -> Relation:

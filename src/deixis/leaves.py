@@ -15,7 +15,7 @@ import numpy as np
 from deixis.bounds import planes
 from deixis.boxes import align_with_world
 from deixis.evidence import Evidence, Plane, Point, Value, Witness, measured, threshold
-from deixis.explain import Answer, Proof, Refusal
+from deixis.explain import Answer, Proof, Proofs, Refusal
 from deixis.facts import Facts, SolidModel
 from deixis.frames import AXES, HORIZONTAL, WORLD, Index
 from deixis.grounding import frame
@@ -27,7 +27,7 @@ _SAME: Final = 1.0e-12
 """Numbers nearer than this are the same one: a rule may have turned its sign round."""
 
 
-Explained = TypeVar("Explained", Proof, Answer, Refusal, Inspection)
+Explained = TypeVar("Explained", Proof, Proofs, Answer, Refusal, Inspection)
 
 
 class _Subject(NamedTuple):
@@ -277,6 +277,8 @@ def with_evidence(gathering: Gathering, found: Explained) -> Explained:
     """Return what was explained with evidence on the leaves of all its proofs."""
     if isinstance(found, Proof):
         return gathering.gather([found])[0]
+    if isinstance(found, Proofs):
+        return replace(found, proofs=tuple(gathering.gather(found.proofs)))
     if isinstance(found, Answer):
         held = [one for one in (found.proof, found.nearest) if one is not None]
         told = iter(gathering.gather(held))

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import json
 import sys
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 from deixis.cli.commands import Region as RegionName
 from deixis.cli.commands import RegionOption, RuleFiles, ScenePath, app, open_scene
-from deixis.cli.questions import told_because
 from deixis.errors import DeixisError, SceneError
 
 if TYPE_CHECKING:
     from deixis.knowledge import KnowledgeBase
+    from deixis.relations import Relation
     from deixis.updates import Changes
+
+_PATIENCE: Final = 10.0
+"""Seconds for each reason."""
 
 
 @app.command()
@@ -51,13 +54,14 @@ def live(
 
 def _with_reasons(changes: Changes, kb: KnowledgeBase) -> dict[str, Any]:
     """Return the changes with the reason of each: why it holds now, or why not any more."""
+    from deixis.consequences import because
+
     there = {one.id for one in kb.scene.objects} | {view.id for view in kb.scene.views}
 
-    def told(one: Any) -> dict[str, Any]:
+    def told(one: Relation) -> dict[str, object]:
         gone = [name for name in (one.figure, one.reference, one.view) if name and name not in there]
-        if gone:
-            return {**one.to_dict(), "because": f"{' and '.join(gone)} gone"}
-        return told_because(one, kb, 10.0)
+        reason = f"{' and '.join(gone)} gone" if gone else because(kb.why(one.to_prolog(), timeout=_PATIENCE))
+        return {**one.to_dict(), "because": reason}
 
     found = changes.to_dict()
     return {**found, "gained": list(map(told, changes.gained)), "lost": list(map(told, changes.lost))}
