@@ -137,14 +137,15 @@ def as_json(told: Any) -> Any:
 
 
 def test_each_question_for_reasons_is_python_s(server: Server, kb: KnowledgeBase) -> None:
-    assert get(server, "why", goal=LEANS) == as_json({"goal": LEANS, **kb.why(LEANS).to_dict()})
-    every = as_json({"goal": "near(X, Y)", **kb.why_all("near(X, Y)", limit=2).to_dict()})
+    assert get(server, "why", goal=LEANS) == as_json({"goal": LEANS, **kb.evidence(kb.why(LEANS)).to_dict()})
+    found_all = kb.evidence(kb.why_all("near(X, Y)", limit=2))
+    every = as_json({"goal": "near(X, Y)", **found_all.to_dict()})
     assert get(server, "why-all", goal="near(X, Y)", limit="2") == every
     assert every["truncated"]
-    refusal = kb.why_not(AFFIXED)
+    refusal = kb.evidence(kb.why_not(AFFIXED))
     told = {"goal": AFFIXED, "sentence": refusal.sentence(), **refusal.to_dict()}
     assert get(server, "why-not", goal=AFFIXED) == as_json(told)
-    found = kb.contrast(LEANS, AFFIXED)
+    found = kb.evidence(kb.contrast(LEANS, AFFIXED))
     told = {"goal": LEANS, "rather_than": AFFIXED, "sentence": found.sentence(), **found.to_dict()}
     assert get(server, "contrast", goal=LEANS, rather_than=AFFIXED) == as_json(told)
     assert "because the floor touches the fire extinguisher on the floor." in told["sentence"]

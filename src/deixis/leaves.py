@@ -15,7 +15,7 @@ import numpy as np
 from deixis.bounds import planes
 from deixis.boxes import align_with_world
 from deixis.evidence import Evidence, Plane, Point, Value, Witness, measured, threshold
-from deixis.explain import Answer, Proof, Proofs, Refusal
+from deixis.explain import Answer, Contrast, Proof, Proofs, Refusal
 from deixis.facts import Facts, SolidModel
 from deixis.frames import AXES, HORIZONTAL, WORLD, Index
 from deixis.grounding import frame
@@ -27,7 +27,7 @@ _SAME: Final = 1.0e-12
 """Numbers nearer than this are the same one: a rule may have turned its sign round."""
 
 
-Explained = TypeVar("Explained", Proof, Proofs, Answer, Refusal, Inspection)
+Explained = TypeVar("Explained", Proof, Proofs, Answer, Refusal, Contrast, Inspection)
 
 
 class _Subject(NamedTuple):
@@ -284,6 +284,9 @@ def with_evidence(gathering: Gathering, found: Explained) -> Explained:
         told = iter(gathering.gather(held))
         proof = None if found.proof is None else next(told)
         return replace(found, proof=proof, nearest=None if found.nearest is None else next(told))
+    if isinstance(found, Contrast):
+        fact, other = with_evidence(gathering, found.fact), with_evidence(gathering, found.other)
+        return replace(found, fact=fact, other=other)
     if isinstance(found, Inspection):
         told = iter(gathering.gather([one.proof for one in found.violations if one.proof is not None]))
         violations = (

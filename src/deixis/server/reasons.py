@@ -152,16 +152,18 @@ class Reasons:
 
     def why_all(self, *, goal: str, limit: int, timeout: float) -> dict[str, Any]:
         """Return all proofs of a relation, or the first of them."""
-        return {"goal": goal, **self.explaining.why_all(goal, limit=limit, timeout=timeout).to_dict()}
+        kb = self.explaining
+        return {"goal": goal, **kb.evidence(kb.why_all(goal, limit=limit, timeout=timeout)).to_dict()}
 
     def why_not(self, *, goal: str, timeout: float) -> dict[str, Any]:
         """Return what keeps each rule from concluding a relation."""
-        found = self.explaining.why_not(goal, timeout=timeout)
+        found = self.explaining.evidence(self.explaining.why_not(goal, timeout=timeout))
         return {"goal": goal, "sentence": found.sentence(), **found.to_dict()}
 
     def contrast(self, *, goal: str, rather_than: str, timeout: float) -> dict[str, Any]:
         """Return why one relation holds rather than another."""
-        found = self.explaining.contrast(goal, rather_than, timeout=timeout)
+        kb = self.explaining
+        found = kb.evidence(kb.contrast(goal, rather_than, timeout=timeout))
         return {"goal": goal, "rather_than": rather_than, "sentence": found.sentence(), **found.to_dict()}
 
     def change(self, *, goal: str) -> dict[str, Any]:
