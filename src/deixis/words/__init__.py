@@ -4,7 +4,7 @@ The lexicon maps English prepositions to predicates and back; ``rules/prepositio
 person would accept of two things.
 """
 
-#from deixis.words.answering import Reply, say
+from deixis.words.answering import Reply, say
 from deixis.words.describing import Description, Sentence, Stated, describe
 from deixis.words.lexicon import ENTRIES, NOT_GROUNDED, Entry, Sense, entry_of, predicates_in, words_for
 
@@ -13,6 +13,7 @@ __all__ = [
     "NOT_GROUNDED",
     "Description",
     "Entry",
+    "Reply",
 
     "Sense",
     "Sentence",
@@ -20,6 +21,7 @@ __all__ = [
     "describe",
     "entry_of",
     "predicates_in",
+    "say",
 
     "words_for",
 ]
