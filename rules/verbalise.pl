@@ -5,13 +5,13 @@
             obstacles/2,                % +Node, -Texts
             denied_text/2,              % +Goal, -Text
             print_proof/1,              % +Node
-            object_name/2,              % +Object, -Name
             length_text/2               % +Metres, -Text
           ]).
 :- use_module(library(lists)).
 :- use_module(library(apply)).
 :- use_module(facts).
 :- use_module(axioms).
+:- use_module(naming).
 :- use_module(lang/en).
 
 /** <module> Proofs in words
@@ -65,50 +65,29 @@ goal_text(Marked, Polarity, Text) :-
     ).
 
 goal_text_items(Template, Polarity, Text) :-
-    maplist(item_text(Polarity), Template, Words),
+    (   memberchk(view(View), Template), nonvar(View)
+    ->  Said = View
+    ;   Said = unsaid
+    ),
+    maplist(item_text(Polarity, Said), Template, Words),
     join(Words, Text).
 
-item_text(_, the(X), Text) :- !, the(X, Text).
-item_text(yes, is, "is") :- !.
-item_text(no, is, "is not") :- !.
-item_text(yes, v(Yes, _), Yes) :- !.
-item_text(no, v(_, No), No) :- !.
-item_text(_, metres(N), Text) :- !, length_text(N, Text).
-item_text(_, cubic_metres(N), Text) :- !, volume_text(N, Text).
-item_text(_, view(V), Text) :- !, view_text(V, Text).
-item_text(_, name(X), Text) :- !, ( var(X) -> Text = "something" ; Text = X ).
-item_text(_, Word, Word).
+item_text(_, Said, the(X), Text) :- !, the(X, Said, Text).
+item_text(yes, _, is, "is") :- !.
+item_text(no, _, is, "is not") :- !.
+item_text(yes, _, v(Yes, _), Yes) :- !.
+item_text(no, _, v(_, No), No) :- !.
+item_text(_, _, metres(N), Text) :- !, length_text(N, Text).
+item_text(_, _, cubic_metres(N), Text) :- !, volume_text(N, Text).
+item_text(_, _, view(V), Text) :- !, view_text(V, Text).
+item_text(_, _, name(X), Text) :- !, ( var(X) -> Text = "something" ; Text = X ).
+item_text(_, _, Word, Word).
 
-the(X, "something") :- var(X), !.
-the(X, Text) :-
-    connective(the, The),
-    object_name(X, Name),
-    join([The, Name], Text).
+%   the(+Thing, +Said, -Text): Said is the view that the sentence speaks of, or `unsaid`.
 
-%!  object_name(+Object, -Name:string) is det.
-%
-%   Name is the best label of Object, with the id where another object bears the same label, and the id
-%   alone where it has none.
-
-object_name(Object, Name) :-
-    (   label(Object, Label, _), Label \== ''
-    ->  (   once(( label(Other, Label, _), Other \== Object, once(label(Other, First, _)), First == Label ))
-        ->  format(string(Name), "~w (~w)", [Label, Object])
-        ;   format(string(Name), "~w", [Label])
-        )
-    ;   format(string(Name), "~w", [Object])
-    ).
-
-view_text(V, "from some view") :- var(V), !.
-view_text(V, Text) :-
-    (   view_label(V, you)
-    ->  connective(seen_by_you, Text)
-    ;   connective(seen_from, From),
-        (   view_label(V, Label), Label \== ''
-        ->  join([From, Label], Text)
-        ;   join([From, V], Text)
-        )
-    ).
+the(X, _, "something") :- var(X), !.
+the(X, unsaid, Text) :- !, thing_name(X, Text).
+the(X, Said, Text) :- thing_name(X, Said, Text).
 
 %!  length_text(+Metres, -Text:string) is det.
 %
@@ -160,7 +139,7 @@ near_text(Goal, [node(_, Found, Margin, _, _)], Tail) :-
     include(spatial, Variables, Objects),
     Objects = [Object|_],
     !,
-    the(Object, Name),
+    the(Object, unsaid, Name),
     short_text(Margin, Short),
     connective(closest, Closest),
     format(string(Tail), " (~w ~w, ~w)", [Closest, Name, Short]).

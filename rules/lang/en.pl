@@ -4,10 +4,19 @@
             none/2,                     % ?Goal, ?Template
             hindered/2,                 % ?What, ?Template
             space/3,                    % ?Axis, ?View, ?Words
+            called/2,                   % ?Before, ?After
+            side/3,                     % ?Side, ?Before, ?After
+            place/2,                    % ?Place, ?Words
+            phrase/2,                   % ?Name, ?Format
             connective/2                % ?Name, ?Words
           ]).
 
 :- use_module('../facts').
+
+:- multifile words:speaks/1.
+:- dynamic words:speaks/1.
+
+words:speaks(en).
 
 /** <module> English
 
@@ -148,6 +157,44 @@ space('X-', _, 'in front of').
 space('Y+', _, 'left of').
 space('Y-', _, 'right of').
 
+%!  called(?Before, ?After) is det.
+%
+%   What stands before and after a label that names a thing.
+
+called('the ', '').
+
+%!  side(?Side, ?Before, ?After) is nondet.
+%
+%   The same where Side tells the thing from others of that label: left and right of two, leftmost and
+%   rightmost of more; upper and lower, top and bottom.
+
+side(left, 'the left ', '').
+side(right, 'the right ', '').
+side(leftmost, 'the leftmost ', '').
+side(rightmost, 'the rightmost ', '').
+side(upper, 'the upper ', '').
+side(lower, 'the lower ', '').
+side(top, 'the top ', '').
+side(bottom, 'the bottom ', '').
+
+%!  place(?Place, ?Words) is nondet.
+%
+%   Words between two names, as in "the cup on the shelf"; no Words end in others.
+
+place(on, ' on ').
+place(in, ' in ').
+place(against, ' against ').
+place(under, ' under ').
+place(near, ' near ').
+
+%!  said(?Name, ?Format) is nondet.
+%
+%   Formats of format/2 for what is said around sentences; each ~w is filled in.
+
+said(seen_from, 'as seen from the ~w').
+said(seen_by_you, 'from where you stand').
+said(seen_somehow, 'from some view').
+
 %!  connective(?Name, ?Words) is nondet.
 %
 %   The small words that join sentences.
@@ -162,9 +209,6 @@ connective(equal, 'equal to').
 connective(unequal, 'other than').
 connective(to_spare, 'to spare').
 connective(short_by, 'short by').
-connective(seen_from, 'as seen from the').
-connective(seen_by_you, 'from where you stand').
-connective(the, 'the').
 connective(no_way, 'it is not so that').
 connective(closest, 'the closest is').
 connective(none_close, 'nothing within reach comes close').

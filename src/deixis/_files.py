@@ -67,7 +67,7 @@ def _find(name: str, package: Path) -> Path:
 def theory_files() -> tuple[Path, ...]:
     """Return the rule files of the theory, in loading order."""
     rules = rules_dir()
-    names = ("facts", "topology", "direction", "commonsense", "axioms", "verbalise", "explain")
+    names = ("facts", "topology", "direction", "commonsense", "axioms", "naming", "verbalise", "explain")
     return tuple(rules / f"{name}.pl" for name in names)
 
 

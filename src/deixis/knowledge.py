@@ -64,6 +64,42 @@ class KnowledgeBase(Inference):
 
         return Refusal.from_dict(self._explained("why_not", goal, timeout))
 
+    def names(self, *, view: str | None = None, timeout: float = 60.0) -> dict[str, str]:
+        """Return what each thing is called: a phrase that picks out it and no other (decision 0033).
+
+        That is its label, where it alone bears it; else what tells it from others by relations that hold;
+        else label and id; and the id where there is no label. All sentences use these names.
+
+        Parameters
+        ----------
+        view : str, optional
+            Whoever hears the names knows that they are spoken from this view: left and right come first.
+            Without it they do not, and only the one view of a scene with one is used, and named.
+        timeout : float
+            Seconds.
+
+        Raises
+        ------
+        QueryError
+            Unknown view.
+        QueryTimeout
+            It took longer than ``timeout`` seconds.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     names = kb.names()
+        >>> names["heater"], names["extinguisher2"]
+        ('the electric heater', 'the fire extinguisher on the floor')
+        """
+        from deixis.prolog import Atom
+
+        if view is not None:
+            self.check_view(view)
+        given = [] if view is None else [Atom(view)]
+        return dict(self.engine.call("names", *given, timeout=timeout))
+
     def _explained(self, operation: str, goal: str, timeout: float) -> dict[str, Any]:
         from deixis.prolog.engine import question_text
 

@@ -114,3 +114,13 @@ proved(Name, Arity, Proof) :-
     distinct_answer(Goal),
     explain:best_proof(question:Goal, Node),
     verbalise:node_dict(Node, Proof).
+
+%   names(View), names(): what each thing is called, as rows [Thing, Name]; from View, or whoever looks.
+
+bridge:operation(names, Views, Rows) :-
+    (   Views = [View]
+    ->  true
+    ;   View = any
+    ),
+    naming:names(View, Pairs),
+    findall([Id, Name], ( member(Thing-Name, Pairs), atom_string(Thing, Id) ), Rows).
