@@ -4,6 +4,7 @@
             movable/1,                  % ?Thing
             over_some/2,                % ?Upper, ?Lower
             one_ground/3,               % ?Figure, ?Other, ?Support
+            as_high/2,                  % ?Ground, ?Figure
             stands_by/2,                % ?Figure, ?Ground
             rests_on/2,                 % ?Figure, ?Ground
             sideways/2,                 % ?Figure, ?Ground
@@ -51,6 +52,16 @@ over_some(Upper, Lower) :-
     above_r(Upper, Lower).
 over_some(Upper, Lower) :-
     below_r(Lower, Upper).
+
+%!  as_high(?Ground, ?Figure) is nondet.
+%
+%   Ground, on which Figure rests, reaches at least as high. To meet the space above Figure it would have to be
+%   D higher than Figure, so it is short of that by D at most.
+
+as_high(Ground, Figure) :-
+    halfspace(Ground, Figure, 'Z+', world, Margin),
+    threshold(granularity, D),
+    Margin >= -D.
 
 %!  one_ground(?Figure, ?Other, ?Support) is nondet.
 %
@@ -152,9 +163,9 @@ fits(on, Figure, Ground) :-
 fits(on, Figure, Ground) :-             % a clock on a wall, a lamp on a ceiling
     affixed_on(Figure, Ground),
     \+ over_some(Figure, Ground).
-fits('on top of', Figure, Ground) :-
+fits('on top of', Figure, Ground) :-     % a mug within a shelf is on it
     rests_on(Figure, Ground),
-    \+ over_some(Ground, Figure).
+    \+ as_high(Ground, Figure).
 fits(against, Figure, Ground) :-
     sideways(Figure, Ground).
 fits(against, Figure, Ground) :-        % a pencil at the foot of a mug

@@ -14,7 +14,6 @@ __all__ = [
     "Description",
     "Entry",
     "Reply",
-
     "Sense",
     "Sentence",
     "Stated",
@@ -22,6 +21,5 @@ __all__ = [
     "entry_of",
     "predicates_in",
     "say",
-
     "words_for",
 ]

@@ -14,7 +14,7 @@ from deixis.words.accepted import Accepted, accepted
 from deixis.words.describing import describe
 from deixis.words.lexicon import Entry, entry_of
 from deixis.words.nouns import Nouns, named
-from deixis.words.phrases import joined, number, perspective, sentence, short
+from deixis.words.phrases import called, is_plural, joined, number, perspective, sentence, short
 from deixis.words.questions import Noun, Question, read
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def say(
     view: str | None = None,
     timeout: float = 60.0,
 ) -> Reply:
-    """Return the answer to a question in plain English; :data:`~deixis.words.questions.PATTERNS` has the kinds.
+    """Return the answer to a question in plain English, of the kinds in ``questions.PATTERNS``.
 
     Parameters
     ----------
@@ -167,7 +167,8 @@ class _Answerer:
         if self._entry is not None and self._entry.view and self._looking is None:
             raise QueryError(f"scene {kb.scene.id!r} has no view, so nothing is {self._entry.word} anything")
         self._view = self._looking if self._entry is not None and self._entry.view else None
-        self._names = names(self._view)
+        self._call, self._names = names, names(self._view)
+        self._labels = {thing.id: thing.label for thing in kb.scene.objects}
         self._nouns = Nouns(kb.scene, self._names)
 
     def named(self, things: Iterable[str]) -> list[str]:
@@ -239,12 +240,20 @@ class _Answerer:
             if (wanted[0] is None or figure in wanted[0]) and (wanted[1] is None or ground in wanted[1])
         ]
 
-    def _listed(self, things: Sequence[str]) -> str:
-        texts = self.named(things[:LISTED])
+    def _verb(self, things: Sequence[str]) -> str:
+        return "are" if len(things) > 1 or is_plural(self._labels[things[0]]) else "is"
+
+    def _listed(self, things: Sequence[str], grounds: Sequence[str] = ()) -> str:
+        """Return things as a list; of those at one ground, which the sentence names, the names need not say it."""
+        shown = things[:LISTED]
+        if len(grounds) == 1:
+            texts = [called(self._names, self._labels, thing, grounds[0]) for thing in shown]
+        else:
+            texts = self.named(shown)
         rest = len(things) - LISTED
         if rest > 0:
             texts.append(f"{number(rest)} more {'thing' if rest == 1 else 'things'}")
-        return joined(texts)
+        return joined([short(one) for one in texts])
 
     def _which(self) -> _Found:
         asked = self._asked
@@ -256,18 +265,23 @@ class _Answerer:
         if not things:
             kind = "nothing" if asked.figure is None else f"none of the {short(asked.figure.text)}"
             return False, sentence(f"{kind} is {where}"), facts, things
-        verb = "are" if len(things) > 1 else "is"
-        return True, sentence(f"{self._listed(things)} {verb} {where}"), facts, things
+        verb = self._verb(things)
+        return True, sentence(f"{self._listed(things, grounds)} {verb} {where}"), facts, things
 
     def _ground(self) -> _Found:
         figures = self._all(self._asked.figure)
         facts = self._pairs(figures, None)
         things = list(dict.fromkeys(one.ground for one in facts))
         subject = joined(self.named(figures))
-        verb = "are" if len(figures) > 1 else "is"
+        verb = self._verb(figures)
         if not things:
             return False, sentence(f"{subject} {verb} {self._word} nothing{self._tail}"), facts, things
-        return True, sentence(f"{subject} {verb} {self._word} {self._listed(things)}{self._tail}"), facts, things
+        return (
+            True,
+            sentence(f"{subject} {verb} {self._word} {self._listed(things)}{self._tail}"),
+            facts,
+            things,
+        )
 
     def _count(self) -> _Found:
         assert self._asked.figure is not None  # noqa: S101 - the grammar has one here
@@ -277,15 +291,15 @@ class _Answerer:
         where = f"{self._word} {joined(self.named(grounds), 'or')}{self._tail}"
         if not things:
             return False, sentence(f"none is {where}"), facts, things
-        verb = "is" if len(things) == 1 else "are"
-        text = sentence(f"{number(len(things))} {verb} {where}: {self._listed(things)}")
+        verb = self._verb(things)
+        text = sentence(f"{number(len(things))} {verb} {where}: {self._listed(things, grounds)}")
         return True, text, facts, things
 
     def _where(self) -> _Found:
         things = self._all(self._asked.figure)
         texts, facts = [], []
         for thing in things[:LISTED]:
-            told = describe(self._kb, self._names, about=thing, view=self._looking, timeout=self._timeout)
+            told = describe(self._kb, self._call, about=thing, view=self._looking, timeout=self._timeout)
             own = [one for one in told.sentences if one.facts[0].relation.figure == thing]
             texts += [one.text for one in own]
             facts += [
@@ -298,7 +312,7 @@ class _Answerer:
         return True, " ".join(texts), facts, list(dict.fromkeys(one.ground for one in facts))
 
     def _statement(self, figures: Sequence[str], grounds: Sequence[str], negation: str = "") -> str:
-        verb = "are" if len(figures) > 1 else "is"
+        verb = self._verb(figures)
         figure, ground = joined(self.named(figures), "or"), joined(self.named(grounds), "or")
         return f"{figure} {verb}{negation} {self._word} {ground}{self._tail}"
 
@@ -309,9 +323,9 @@ class _Answerer:
             return False, f"No, {self._statement(figures[:LISTED], grounds[:LISTED], ' not')}.", (), ()
         things = list(dict.fromkeys(one.figure for one in facts))
         held = list(dict.fromkeys(one.ground for one in facts))
-        verb = "are" if len(things) > 1 else "is"
+        verb = self._verb(things)
         where = f"{self._word} {joined(self.named(held))}{self._tail}"
-        return True, f"Yes, {self._listed(things)} {verb} {where}.", facts, things
+        return True, f"Yes, {self._listed(things, held)} {verb} {where}.", facts, things
 
     def _one_pair(self) -> tuple[str, str]:
         """Return the one figure and the one ground that a question for reasons is about."""
@@ -342,8 +356,8 @@ class _Answerer:
             return False, f"But {self._statement([figure], [ground])}.", facts, [figure]
         refusals = [why_not(one.to_prolog()) for one in self._senses(figure, ground, bases=False)]
         refusals = [one for one in refusals if not one.holds]
-        # Of several senses, the one that is closest to being so: the fewest things are in its way.
-        nearest = min(refusals, key=lambda one: len(one.misses[0].obstacles) if one.misses else 99, default=None)
+        # Of several senses, the one that is closest to being so.
+        nearest = max(refusals, key=_closeness, default=None)
         if nearest is None:
             return True, f"{sentence(self._statement([figure], [ground], ' not'))}", (), ()
         return True, nearest.sentence(), (), ()
@@ -355,3 +369,9 @@ class _Answerer:
         if bases and self._word in BASES:
             found.append(Relation(BASES[self._word], figure, ground, None, None))
         return found
+
+
+def _closeness(refusal: Refusal) -> tuple[bool, float]:
+    """Return how close something is to being so: whether anything was measured, and by how much it fails."""
+    margins = [one.derivation.margin for one in refusal.misses if one.derivation.margin is not None]
+    return refusal.hindrance is None and bool(margins), max(margins, default=float("-inf"))

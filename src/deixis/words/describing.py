@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 from deixis.errors import QueryError
 from deixis.hints import hint
-from deixis.words.phrases import joined, number, perspective, plural, sentence, short
-from deixis.words.places import FLOOR, Place, Places
+from deixis.words.phrases import called, is_plural, joined, number, perspective, plural, sentence, short
+from deixis.words.places import Place, Places
 
 if TYPE_CHECKING:
     from deixis.inference import Inference
@@ -97,9 +97,10 @@ class Description:
 
 @dataclass(frozen=True, slots=True)
 class _Group:
-    """Things that are in one place."""
+    """Things that are in one place; of one thing also what it is beside."""
 
     places: tuple[Place, ...]
+    beside: Place | None = None
 
     @property
     def ground(self) -> str:
@@ -108,7 +109,7 @@ class _Group:
 
 def describe(
     kb: Inference,
-    names: Mapping[str, str],
+    names: Callable[[str | None], Mapping[str, str]],
     *,
     about: str | None = None,
     view: str | None = None,
@@ -120,8 +121,8 @@ def describe(
     Parameters
     ----------
     kb : Inference
-    names : mapping
-        What each thing is called, by its id.
+    names : callable
+        From a view, or None, to what each thing is called, by its id.
     about : str, optional
         Id of the one thing to speak of.
     view : str, optional
@@ -144,11 +145,11 @@ def describe(
     elif kb.scene.views:
         view = kb.scene.views[0].id
     places = Places(kb, view, timeout)
-    writer = _Writer(places, names)
+    writer = _Writer(places, names(view))
     groups = _of_scene(places) if about is None else _of_thing(places, about)
     sentences, mentioned, listed = [], set(places.surfaces), set[frozenset[str]]()
     for group in groups[:most]:
-        said = writer.sentence(group, about)
+        said = writer.sentence(group)
         new = [one for one in said.facts if frozenset(_pair(one)) not in listed]
         if len(new) < len(said.facts):
             continue
@@ -165,19 +166,27 @@ def _pair(one: Stated) -> tuple[str, str]:
 def _of_scene(places: Places) -> list[_Group]:
     """Return what to say of a scene, the most telling first."""
     chosen: dict[str, Place] = {}
-    for thing in places.kb.facts.ids:
+    for thing in places.by_size:
         if thing not in places.surfaces and (place := places.of(thing)) is not None:
             chosen[thing] = place
     told = {place.ground for place in chosen.values()}
-    for thing in places.kb.facts.ids:
+    for thing in places.by_size:
         if thing in places.surfaces or (thing in chosen and not _on_floor(places, chosen[thing])):
             continue
         # What only stands on the floor, or nowhere at all, is placed by something larger beside it.
         landmark = places.aside(thing) or places.near(thing)
         if landmark is not None and chosen.get(landmark.ground, landmark).ground != thing:
             chosen[thing] = landmark
-    groups = _grouped(place for thing, place in chosen.items() if not _idle(places, place, told))
+    groups = _grouped(place for place in chosen.values() if not _idle(places, place, told))
+    groups = [_with_landmark(places, group) for group in groups]
     return sorted(groups, key=lambda group: _telling(places, group))
+
+
+def _with_landmark(places: Places, group: _Group) -> _Group:
+    """Return a group with what its thing is beside, where it is alone on a wall: walls are long."""
+    if len(group.places) > 1 or group.ground not in places.surfaces:
+        return group
+    return _Group(group.places, places.aside(group.places[0].figure))
 
 
 def _idle(places: Places, place: Place, told: set[str]) -> bool:
@@ -193,7 +202,7 @@ def _grouped(chosen: Iterable[Place]) -> list[_Group]:
     groups: dict[tuple[str, str], list[Place]] = {}
     for place in chosen:
         groups.setdefault((place.kind.name, place.ground), []).append(place)
-    return [_Group(tuple(sorted(some, key=lambda one: one.figure))) for some in groups.values()]
+    return [_Group(tuple(some)) for some in groups.values()]
 
 
 def _telling(places: Places, group: _Group) -> tuple[Any, ...]:
@@ -209,28 +218,37 @@ def _of_thing(places: Places, about: str) -> list[_Group]:
     """Return what to say of one thing: where it is, what is on and in it, what is around it."""
     groups: list[_Group] = []
     own = None if about in places.surfaces else places.of(about)
-    if own is not None:
-        groups.append(_Group((own,)))
     aside = None if about in places.surfaces else places.aside(about) or places.near(about)
-    if aside is not None and (own is None or aside.ground != own.ground):
+    if own is not None:
+        groups.append(_Group((own,), aside if aside is not None and _helps(places, own, aside) else None))
+    elif aside is not None:
         groups.append(_Group((aside,)))
     held = [
         place
-        for thing in places.kb.facts.ids
+        for thing in places.by_size
         if thing not in (about, *places.surfaces)
         and (place := places.of(thing)) is not None
         and place.ground == about
     ]
     taken = {place.figure for place in held} | {group.ground for group in groups}
+    taken |= {group.beside.ground for group in groups if group.beside is not None}
     around = [
         place
-        for thing in places.kb.facts.ids
+        for thing in places.by_size
         if thing not in (about, *taken, *places.surfaces)
         and (place := places.aside(thing, [about])) is not None
     ]
     groups += sorted(_grouped(held), key=lambda group: _telling(places, group))
     groups += sorted(_grouped(around), key=lambda group: _telling(places, group))
     return groups
+
+
+def _helps(places: Places, own: Place, aside: Place) -> bool:
+    """Return whether what a thing is beside tells more: on a wall, or with something on the same table."""
+    other = places.of(aside.ground)
+    return own.ground != aside.ground and (
+        own.ground in places.surfaces or (other is not None and other.ground == own.ground)
+    )
 
 
 class _Writer:
@@ -241,30 +259,33 @@ class _Writer:
         self._labels = {thing.id: short(thing.label) for thing in places.kb.scene.objects}
         self._views = {view.id: view.label or view.id for view in places.kb.scene.views}
 
-    def sentence(self, group: _Group, about: str | None) -> Sentence:
+    def sentence(self, group: _Group) -> Sentence:
         """Return the sentence of a group."""
         first = group.places[0]
-        facts = tuple(Stated(place.kind.word, place.relation) for place in group.places)
-        figures = [place.figure for place in group.places]
-        listed, several = self._listed(figures)
-        ground = self._names[first.ground]
-        where = f"{_said(first)} {ground}"
-        view = first.relation.view
-        tail = "" if view is None else f" {perspective(self._views[view])}"
-        if several and first.kind.verb == "be" and view is None:
+        told = group.places if group.beside is None else (*group.places, group.beside)
+        facts = tuple(Stated(place.kind.word, place.relation) for place in told)
+        listed = self._listed(group.places)
+        several = len(group.places) > 1 or is_plural(self._labels[first.figure])
+        where = self._where(first)
+        if len(group.places) > 1 and first.kind.verb == "be" and first.relation.view is None:
             return Sentence(sentence(f"{where} are {listed}"), facts)
-        verb = _verb(first, several)
-        return Sentence(sentence(f"{listed} {verb} {where}{tail}"), facts)
+        also = "" if group.beside is None else f", {self._where(group.beside)}"
+        return Sentence(sentence(f"{listed} {_verb(first, several)} {where}{also}"), facts)
 
-    def _listed(self, figures: Sequence[str]) -> tuple[str, bool]:
-        """Return things as a list, those with one label together, and whether they are several."""
-        counts = Counter(self._labels[figure] for figure in figures)
-        alike = {label for label, count in counts.items() if count > 1 and label}
+    def _where(self, place: Place) -> str:
+        view = place.relation.view
+        tail = "" if view is None else f" {perspective(self._views[view])}"
+        word = "against" if place.kind.name == "leaning" else place.kind.word
+        return f"{word} {self._names[place.ground]}{tail}"
+
+    def _listed(self, group: Sequence[Place]) -> str:
+        """Return the things of a group as a list, those with one label together."""
+        counts = Counter(self._labels[place.figure] for place in group)
         parts: list[tuple[str, int]] = []
-        for figure in figures:
-            label = self._labels[figure]
-            if label not in alike:
-                parts.append((self._names[figure], 1))
+        for place in group:
+            label = self._labels[place.figure]
+            if not label or counts[label] == 1:
+                parts.append((called(self._names, self._labels, place.figure, place.ground), 1))
             elif counts[label]:
                 parts.append((f"{number(counts[label])} {plural(label)}", counts[label]))
                 counts[label] = 0
@@ -272,11 +293,7 @@ class _Writer:
         texts = [text for text, _ in shown]
         if rest:
             texts.append(f"{number(rest)} more {'thing' if rest == 1 else 'things'}")
-        return joined(texts), len(figures) > 1
-
-
-def _said(place: Place) -> str:
-    return "against" if place.kind.name == "leaning" else place.kind.word
+        return joined(texts)
 
 
 def _verb(place: Place, several: bool) -> str:

@@ -1,8 +1,8 @@
 """The lexicon: English spatial prepositions, what they mean here, and those that mean nothing here yet.
 
 The prepositions are those of Landau and Jackendoff, "What and where in spatial language and spatial
-cognition" (1993), with the phrases that Visual Genome and SpatialSense use. ``kb/lexicon.ttl`` is written from
-this table by ``tests/lexicon.py``; a test holds it to :mod:`deixis.vocabulary` and to the rules.
+cognition" (1993), with the phrases that Visual Genome and SpatialSense use. ``kb/lexicon.ttl`` is written
+from this table by ``tests/lexicon.py``; a test holds it to :mod:`deixis.vocabulary` and to the rules.
 """
 
 from __future__ import annotations
@@ -53,7 +53,9 @@ class Entry:
 
 _TOP: Final = Sense("the ground holds it up from below", "on_top_of")
 _FIXED: Final = Sense("it is fixed to the ground, which alone holds it", "affixed_on")
-_LEANS: Final = Sense("it leans or hangs against the ground's side and something else holds it up", "leans_on")
+_LEANS: Final = Sense(
+    "it leans or hangs against the ground's side and something else holds it up", "leans_on"
+)
 _WITHIN: Final = Sense("all of it is within the ground", "inside")
 _PARTLY: Final = Sense("it is partly within the ground", "part_in")
 _ABOVE: Final = Sense("it is over the ground and does not rest on it", "above")
@@ -91,8 +93,12 @@ ENTRIES: Final = (
         (_LEANS, Sense("it touches the ground's side", "touches")),
         visual_genome=("against",),
     ),
-    Entry("touching", ("touching", "in contact with"), (Sense("it touches the ground", "touches"),),
-          visual_genome=("touching",)),
+    Entry(
+        "touching",
+        ("touching", "in contact with"),
+        (Sense("it touches the ground", "touches"),),
+        visual_genome=("touching",),
+    ),
     Entry("in", ("in", "within"), (_WITHIN, _PARTLY), visual_genome=("in",), spatial_sense=("in",)),
     Entry("inside", ("inside", "inside of"), (_WITHIN, _PARTLY), visual_genome=("inside", "inside of")),
     Entry("above", ("above",), (_ABOVE,), visual_genome=("above",), spatial_sense=("above",)),

@@ -77,7 +77,9 @@ class Nouns:
                     return Meant(tuple(known[one]), all=True)
         if text in self._heads:
             return Meant(tuple(self._heads[text]), all=not noun.definite)
-        raise QueryError(f"character {noun.start + 1}: nothing here is called {short(noun.text)!r}{self._hint(text)}")
+        raise QueryError(
+            f"character {noun.start + 1}: nothing here is called {short(noun.text)!r}{self._hint(text)}"
+        )
 
     def _hint(self, text: str) -> str:
         known = {name: name for names in (self._labels, self._heads) for name in names}

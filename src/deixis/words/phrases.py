@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 LONGEST_NAME: Final = 60
@@ -12,8 +12,9 @@ _NUMBERS: Final = (
     "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"
 )  # fmt: skip
 _IRREGULAR: Final = {"person": "people", "man": "men", "woman": "women", "child": "children", "foot": "feet",
-                     "mouse": "mice", "tooth": "teeth", "shelf": "shelves", "knife": "knives", "loaf": "loaves",
-                     "leaf": "leaves", "scarf": "scarves", "half": "halves"}  # fmt: skip
+                     "mouse": "mice", "tooth": "teeth", "shelf": "shelves", "knife": "knives",
+                     "loaf": "loaves", "leaf": "leaves", "scarf": "scarves", "half": "halves"}  # fmt: skip
+_SINGLE: Final = frozenset({"lens", "gas", "atlas", "canvas", "christmas"})
 _SINGULAR: Final = {plural: one for one, plural in _IRREGULAR.items()}
 
 
@@ -37,7 +38,7 @@ def plural(noun: str) -> str:
     ('fire extinguishers', 'boxes', 'shelves', 'berries')
     """
     front, space, last = noun.rpartition(" ")
-    return front + space + _plural_word(last)
+    return noun if is_plural(noun) else front + space + _plural_word(last)
 
 
 def _plural_word(word: str) -> str:
@@ -49,6 +50,20 @@ def _plural_word(word: str) -> str:
     if low.endswith("y") and low[-2:-1] not in "aeiou":
         return f"{word[:-1]}ies"
     return f"{word}s"
+
+
+def is_plural(noun: str) -> bool:
+    """Return whether a noun looks like a plural already: boots, curtains, scissors.
+
+    Examples
+    --------
+    >>> is_plural("boots"), is_plural("glass"), is_plural("cactus")
+    (True, False, False)
+    """
+    last = noun.rpartition(" ")[2].casefold()
+    return last in _SINGULAR or (
+        last.endswith("s") and not last.endswith(("ss", "us", "is")) and last not in _SINGLE
+    )
 
 
 def singulars(noun: str) -> tuple[str, ...]:
@@ -89,11 +104,11 @@ def sentence(text: str) -> str:
 
 
 def short(name: str) -> str:
-    """Return a name on one line and of no more than :data:`LONGEST_NAME` characters.
+    r"""Return a name on one line and of no more than :data:`LONGEST_NAME` characters.
 
     Examples
     --------
-    >>> short("tea\\n cup")
+    >>> short("tea\n cup")
     'tea cup'
     """
     line = " ".join(name.split())
@@ -109,3 +124,18 @@ def perspective(label: str) -> str:
     ('as seen from the robot', 'from where you stand')
     """
     return "from where you stand" if label == "you" else f"as seen from the {short(label)}"
+
+
+def called(names: Mapping[str, str], labels: Mapping[str, str], thing: str, ground: str) -> str:
+    """Return what a thing is called in a sentence that says where it is, and so need not say it twice.
+
+    Examples
+    --------
+    >>> names = {"c": "the cup on the table", "t": "the table"}
+    >>> called(names, {"c": "cup"}, "c", "t"), called(names | {"t": "the desk"}, {"c": "cup"}, "c", "t")
+    ('a cup', 'the cup on the table')
+    """
+    label = labels[thing]
+    if label and names[thing].startswith(f"the {label} ") and names[thing].endswith(f" {names[ground]}"):
+        return label if is_plural(label) else f"{'an' if label[:1].casefold() in 'aeiou' else 'a'} {label}"
+    return names[thing]

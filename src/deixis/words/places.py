@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     from deixis.inference import Inference
     from deixis.relations import Relation
 
-FLOOR: Final = "floor"
-"""The kind of place of what just stands on the floor."""
-
 
 @dataclass(frozen=True, slots=True)
 class Kind:
@@ -73,10 +70,12 @@ class Place:
 
     @property
     def figure(self) -> str:
+        """Return what is placed."""
         return self.relation.figure
 
     @property
     def ground(self) -> str:
+        """Return what it is placed by."""
         return self.relation.reference
 
 
@@ -94,6 +93,7 @@ class Places:
 
     def __init__(self, kb: Inference, view: str | None, timeout: float) -> None:
         self.kb, self.view = kb, view
+        self._models = kb.measured_as
         self.fitting: Accepted = accepted(kb, timeout)
         self.found: dict[str, list[Relation]] = {}
         for one in kb.relations(timeout=timeout):
@@ -112,14 +112,9 @@ class Places:
         return frozenset(facts.ids[index] for index in np.flatnonzero(facts.surface))
 
     @cached_property
-    def floors(self) -> frozenset[str]:
-        """Return the surfaces that something stands on."""
-        return frozenset(
-            one.reference
-            for found in self.found.values()
-            for one in found
-            if one.relation == "on_top_of" and one.reference in self.surfaces
-        )
+    def by_size(self) -> list[str]:
+        """Return all things, the largest first."""
+        return sorted(self.volume, key=lambda thing: (-self.volume[thing], thing))
 
     def of(self, figure: str) -> Place | None:
         """Return the best place of a thing, of those that no view matters for."""
@@ -170,15 +165,29 @@ class Places:
         close = {one.reference for one in self.found.get(figure, ()) if one.relation == "near"}
         for one in self.found.get(figure, ()):
             for rank, kind in enumerate(KINDS):
-                if one.relation not in kind.relations:
+                if one.relation not in kind.relations or (kind.name == "in" and self._beside_it(one)):
                     continue
                 if not self.fitting.fits(kind.word, one.figure, one.reference):
                     continue
-                if kind.name in ("under", "above"):
-                    # What hangs in mid-air is above everything: only what is close by tells where it is.
-                    if one.reference in self.surfaces or one.reference not in close:
-                        continue
+                # What hangs in mid-air is above everything: only what is close by tells where it is.
+                landmark = one.reference in close and one.reference not in self.surfaces
+                if kind.name in ("under", "above") and not landmark:
+                    continue
                 yield Place(kind, one, rank)
+
+    def _beside_it(self, one: Relation) -> bool:
+        """Return whether a thing is in another only by its box: both stand on the floor, as chair and table."""
+        return self._models[one.reference] == "box" and bool(
+            self._stands_on(one.figure) & self._stands_on(one.reference)
+        )
+
+    def _stands_on(self, thing: str) -> set[str]:
+        """Return the floors that a thing stands on."""
+        return {
+            one.reference
+            for one in self.found.get(thing, ())
+            if one.relation == "on_top_of" and one.reference in self.surfaces
+        }
 
     def _order(self, place: Place) -> tuple[Any, ...]:
         ground = place.ground

@@ -78,10 +78,6 @@ def read(text: str) -> Question:
 
     Examples
     --------
-    >>> read("Which of the books?")
-    Traceback (most recent call last):
-    ...
-    deixis.errors.QueryError: character 10: 'the' is not expected here; I can answer: what is on the table? ...
     >>> read("what is on the table?").word
     'on'
     """
@@ -90,7 +86,7 @@ def read(text: str) -> Question:
     try:
         tree = _parser().parse(text)
     except UnexpectedInput as found:
-        raise QueryError(f"{_trouble(text, found)}; I can answer: {' '.join(PATTERNS)}") from None
+        raise QueryError("\n".join((f"{_trouble(text, found)}; I can answer", *PATTERNS))) from None
     return _question(tree)
 
 

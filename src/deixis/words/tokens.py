@@ -39,7 +39,8 @@ _PHRASES: Final = {
 }
 
 _PARTICIPLES: Final = {
-    "lean": "leaning", "hang": "hanging", "stand": "standing", "sit": "sitting", "lie": "lying", "rest": "resting"
+    "lean": "leaning", "hang": "hanging", "stand": "standing", "sit": "sitting", "lie": "lying",
+    "rest": "resting",
 }  # fmt: skip
 _VERBS: Final = {
     form: _PARTICIPLES[verb] for entry in ENTRIES for verb in entry.verbs for form in (verb, f"{verb}s")
