@@ -1,11 +1,11 @@
-"""How far the words of ``rules/prepositions.pl`` agree with what people say of small tabletop scenes: a table.
+"""How far the words of ``rules/prepositions.pl`` agree with what people say of small scenes: a table.
 
     python tests/prepositions.py [../shared/data]
 
-For each scene people were asked which of nine prepositions fit a figure and a ground; a preposition counts as
-theirs where more than half of those asked accepted it. All rows of labels.csv are candidates. ``one person``
-is how well one of them agrees with the majority of the others (from the data's README). ``without one`` is the
-lowest and highest F1 with any one scene left out: how much hangs on a single scene.
+For each tabletop scene people were asked which of nine prepositions fit a figure and a ground; one of them
+counts as theirs where more than half of those asked accepted it. All rows of labels.csv are candidates.
+``one person`` is how well one of them agrees with the majority of the others (from the data's README).
+``without one`` is the lowest and highest F1 with any one scene left out: how much hangs on a single scene.
 """
 
 from __future__ import annotations

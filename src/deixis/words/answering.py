@@ -244,7 +244,7 @@ class _Answerer:
         return "are" if len(things) > 1 or is_plural(self._labels[things[0]]) else "is"
 
     def _listed(self, things: Sequence[str], grounds: Sequence[str] = ()) -> str:
-        """Return things as a list; of those at one ground, which the sentence names, the names need not say it."""
+        """Return things as a list; where the sentence names their one ground, their names need not."""
         shown = things[:LISTED]
         if len(grounds) == 1:
             texts = [called(self._names, self._labels, thing, grounds[0]) for thing in shown]

@@ -169,7 +169,6 @@ def _of_scene(places: Places) -> list[_Group]:
     for thing in places.by_size:
         if thing not in places.surfaces and (place := places.of(thing)) is not None:
             chosen[thing] = place
-    told = {place.ground for place in chosen.values()}
     for thing in places.by_size:
         if thing in places.surfaces or (thing in chosen and not _on_floor(places, chosen[thing])):
             continue
@@ -177,6 +176,7 @@ def _of_scene(places: Places) -> list[_Group]:
         landmark = places.aside(thing) or places.near(thing)
         if landmark is not None and chosen.get(landmark.ground, landmark).ground != thing:
             chosen[thing] = landmark
+    told = {place.ground for place in chosen.values()}
     groups = _grouped(place for place in chosen.values() if not _idle(places, place, told))
     groups = [_with_landmark(places, group) for group in groups]
     return sorted(groups, key=lambda group: _telling(places, group))

@@ -176,7 +176,7 @@ class Places:
                 yield Place(kind, one, rank)
 
     def _beside_it(self, one: Relation) -> bool:
-        """Return whether a thing is in another only by its box: both stand on the floor, as chair and table."""
+        """Return whether a thing is in another only by its box: both stand on the floor."""
         return self._models[one.reference] == "box" and bool(
             self._stands_on(one.figure) & self._stands_on(one.reference)
         )

@@ -86,7 +86,7 @@ def read(text: str) -> Question:
     try:
         tree = _parser().parse(text)
     except UnexpectedInput as found:
-        raise QueryError("\n".join((f"{_trouble(text, found)}; I can answer", *PATTERNS))) from None
+        raise QueryError("\n".join((f"{_trouble(text, found)}; I can answer:", *PATTERNS))) from None
     return _question(tree)
 
 
@@ -113,12 +113,11 @@ def _question(tree: Tree[Token]) -> Question:
 def _noun(tree: Tree[Token]) -> Noun:
     parts = [part for part in tree.children if isinstance(part, Token)]
     definite, quoted = True, len(parts) == 1 and parts[0].type == "QUOTED"
-    start = parts[0].start_pos or 0
     if parts[0].type == "DETERMINER":
         definite = parts[0].casefold() in ("the", "this", "that")
         parts = parts[1:]
         quoted = len(parts) == 1 and parts[0].type == "QUOTED"
-    return Noun(" ".join(map(str, parts)), definite, quoted, start)
+    return Noun(" ".join(map(str, parts)), definite, quoted, parts[0].start_pos or 0)
 
 
 def _trouble(text: str, found: UnexpectedInput) -> str:
