@@ -278,18 +278,7 @@ spoken(side(Side, Label, Seen), View, Name) :-
 %
 %   Text says whose view View is.
 
-view_text(View, Text) :-
-    language(Words),
-    (   var(View)
-    ->  Words:said(seen_somehow, Format),
-        Args = []
-    ;   view_label(View, you)
-    ->  Words:said(seen_by_you, Format),
-        Args = []
-    ;   Words:said(seen_from, Format),
-        (   view_label(View, Label), Label \== ''
-        ->  Args = [Label]
-        ;   Args = [View]
-        )
-    ),
-    format(string(Text), Format, Args).
+view_text(View, Text) :- var(View), !, saying(seen_somehow, [], Text).
+view_text(View, Text) :- view_label(View, you), !, saying(seen_by_you, [], Text).
+view_text(View, Text) :- view_label(View, Label), Label \== '', !, saying(seen_from, [Label], Text).
+view_text(View, Text) :- saying(seen_from, [View], Text).

@@ -1,6 +1,7 @@
 :- module(words,
           [ language/1,                 % ?Language
-            speaks/1                    % ?Language
+            speaks/1,                   % ?Language
+            saying/3                    % +Name, +Args, -Text
           ]).
 :- use_module(lang/en, []).
 
@@ -28,3 +29,12 @@ language(Language) :-
     ->  Language = Other
     ;   Language = en
     ).
+
+%!  saying(+Name, +Args, -Text:string) is det.
+%
+%   Text is what the language says by Name, filled in with Args.
+
+saying(Name, Args, Text) :-
+    language(Words),
+    Words:said(Name, Format),
+    format(string(Text), Format, Args).

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from deixis.facts import SolidModel
 from deixis.thresholds import SNAP_DECIMALS
+from deixis.wording import ENGLISH, Words, as_sentence
 
 Kind = Literal["rule", "fact", "comparison", "negation", "conjunction"]
+
+Length = Literal["brief", "normal", "full"]
+"""How much of a proof is told: what decides it; an outline; every step with its evidence."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +56,8 @@ class Proof:
         Whether a person needs this step; the outline leaves out the others.
     children : tuple of Proof
         The reasons; of a negation, what came closest to refuting it.
+    words : Words
+        What joins its sentences, in their language.
     """
 
     kind: Kind
@@ -63,9 +69,10 @@ class Proof:
     rule: Rule | None
     shown: bool
     children: tuple[Proof, ...]
+    words: Words = field(default=ENGLISH, repr=False, compare=False)
 
     @classmethod
-    def from_dict(cls, node: Mapping[str, Any]) -> Proof:
+    def from_dict(cls, node: Mapping[str, Any], words: Words = ENGLISH) -> Proof:
         """Return the proof that the rules' meta-interpreter gave as a dict."""
         rule = node["rule"]
         return cls(
@@ -77,20 +84,65 @@ class Proof:
             axiom=node["axiom"],
             rule=Rule(rule["file"], rule["line"]) if rule else None,
             shown=node["shown"],
-            children=tuple(cls.from_dict(child) for child in node["children"]),
+            children=tuple(cls.from_dict(child, words) for child in node["children"]),
+            words=words,
         )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the proof as nested dicts, ready for JSON."""
-        return asdict(self)
+        return {
+            "kind": self.kind,
+            "predicate": self.predicate,
+            "args": self.args,
+            "text": self.text,
+            "margin": self.margin,
+            "axiom": self.axiom,
+            "rule": None if self.rule is None else {"file": self.rule.file, "line": self.rule.line},
+            "shown": self.shown,
+            "children": tuple(child.to_dict() for child in self.children),
+        }
 
     def rule_place(self) -> str:
         """Return file and line of the rule, or the predicate where there is no rule."""
         return self.predicate if self.rule is None else f"{self.rule.file}:{self.rule.line}"
 
+    def told(self, length: Length = "normal") -> str:
+        """Return the proof for people, at one of three lengths."""
+        return {"brief": self.brief, "normal": self.outline, "full": self.full}[length]()
+
     def outline(self) -> str:
         """Return the proof as indented lines, one sentence each, for people."""
         return "\n".join(self._lines(0))
+
+    def full(self) -> str:
+        """Return every step as indented lines, with its evidence: exact values, margin, axiom, file and line.
+
+        Below a denial stands what came closest to refuting it.
+
+        Examples
+        --------
+        >>> leaf = Proof("fact", "gap", ("cup", 0.01), "the gap is 1 cm", None, None, None, True, ())
+        >>> rule = Rule("topology.pl", 44)
+        >>> print(Proof("rule", "touches", ("cup",), "it touches", 0.01, 16, rule, True, (leaf,)).full())
+        it touches  [axiom 16, topology.pl:44, margin 0.01 m]
+          the gap is 1 cm  [gap(cup, 0.01)]
+        """
+        return "\n".join(self._full_lines(0))
+
+    def brief(self) -> str:
+        """Return the conclusion and the reason that decides it: the one that least would have to change.
+
+        Examples
+        --------
+        >>> over = Proof("rule", "above", (), "it is above it", 0.4, 28, None, True, ())
+        >>> near = Proof("rule", "touches", (), "it touches it", 0.01, 16, None, True, ())
+        >>> Proof("rule", "on", (), "it is on it", 0.01, 36, None, True, (over, near)).brief()
+        'It is on it, because it touches it.'
+        """
+        reasons = self._reasons()
+        measured = [child for child in reasons if child.margin is not None]
+        decisive = min(measured, key=lambda child: child.margin or 0.0, default=None)
+        return self._because([decisive] if decisive is not None else reasons)
 
     def sentence(self) -> str:
         """Return the conclusion and its first reasons in one sentence.
@@ -101,11 +153,16 @@ class Proof:
         >>> Proof("rule", "touches", (), "they touch", 0.01, 16, None, True, (leaf,)).sentence()
         'They touch, because the gap is 1 cm.'
         """
-        reasons = [child.text for child in self._shown_children() if child.predicate != "figure_reference"]
+        return self._because(self._reasons())
+
+    def _reasons(self) -> list[Proof]:
+        return [child for child in self._shown_children() if child.predicate != "figure_reference"]
+
+    def _because(self, reasons: list[Proof]) -> str:
         if not reasons:
             return as_sentence(self.text)
-        listed = ", ".join(reasons[:-1]) + " and " + reasons[-1] if len(reasons) > 1 else reasons[0]
-        return as_sentence(f"{self.text}, because {listed}")
+        listed = self.words.listed([child.text for child in reasons])
+        return as_sentence(f"{self.text}, {self.words.because} {listed}")
 
     def things(self) -> Iterator[str]:
         """Yield all names that the proof speaks of, ids and others, as often as they occur."""
@@ -124,10 +181,38 @@ class Proof:
                 yield from child._shown_children()
 
     def _lines(self, depth: int) -> Iterator[str]:
-        axiom = f"  [axiom {self.axiom}]" if self.kind == "rule" and self.axiom is not None else ""
+        axiom = (
+            f"  [{self.words.axiom} {self.axiom}]" if self.kind == "rule" and self.axiom is not None else ""
+        )
         yield "  " * depth + self.text + axiom
         for child in self._shown_children():
             yield from child._lines(depth + 1)
+
+    def _full_lines(self, depth: int) -> Iterator[str]:
+        evidence = ", ".join(self._evidence())
+        yield "  " * depth + self.text + (f"  [{evidence}]" if evidence else "")
+        if self.kind == "negation" and self.children:
+            depth += 1
+            yield "  " * depth + self.words.closest + ":"
+        for child in self.children:
+            yield from child._full_lines(depth + 1)
+
+    def _evidence(self) -> Iterator[str]:
+        """Yield what a step rests on, exactly."""
+        values = ["_" if one is None else f"{one:.9g}" if isinstance(one, float) else str(one)
+                  for one in self.args]  # fmt: skip
+        if self.kind == "comparison":
+            yield f" {self.predicate} ".join(values)
+        elif self.kind == "fact":
+            yield f"{self.predicate}({', '.join(values)})"
+        if self.kind == "rule" and self.axiom is not None:
+            yield f"{self.words.axiom} {self.axiom}"
+        if self.rule is not None:
+            yield self.rule_place()
+        if self.margin is not None:
+            yield f"{self.words.margin} {self.margin:.9g} m"
+            if self.margin < 0.0:
+                yield self.words.fails
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,22 +235,33 @@ class Answer:
     nearest: Proof | None
     text: str
     measured_as: Mapping[str, SolidModel] = field(default_factory=dict)
+    words: Words = field(default=ENGLISH, repr=False, compare=False)
 
     @classmethod
-    def from_dict(cls, reply: Mapping[str, Any]) -> Answer:
+    def from_dict(cls, reply: Mapping[str, Any], words: Words = ENGLISH) -> Answer:
         """Return the answer that the rules' meta-interpreter gave as a dict.
 
         Its ``measured_as`` may tell of more things than the answer speaks of.
         """
         proof, nearest = (
-            None if reply[name] is None else Proof.from_dict(reply[name]) for name in ("proof", "nearest")
+            None if reply[name] is None else Proof.from_dict(reply[name], words)
+            for name in ("proof", "nearest")
         )
         named = {name for one in (proof, nearest) if one is not None for name in one.things()}
         measured = {name: model for name, model in reply["measured_as"].items() if name in named}
-        return cls(proof, nearest, reply["text"], measured)
+        return cls(proof, nearest, reply["text"], measured, words)
 
     def __bool__(self) -> bool:
         return self.proof is not None
+
+    def told(self, length: Length = "normal") -> str:
+        """Return the proof at one of three lengths; of what does not hold, by how much it does not."""
+        if self.proof is not None:
+            return self.proof.told(length)
+        told = f"{self.words.no}: {self.text}."
+        if length == "full" and self.nearest is not None:
+            told += f"\n{as_sentence(self.words.closest)[:-1]}:\n{self.nearest.full()}"
+        return told
 
     def to_dict(self) -> dict[str, Any]:
         """Return the answer as nested dicts, ready for JSON."""
@@ -175,6 +271,38 @@ class Answer:
             "proof": None if self.proof is None else self.proof.to_dict(),
             "nearest": None if self.nearest is None else self.nearest.to_dict(),
             "measured_as": dict(self.measured_as),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Proofs:
+    """All proofs of something, or the first of them.
+
+    Attributes
+    ----------
+    proofs : tuple of Proof
+        The best first: the shortest, and among those the one with the widest margin.
+    truncated : bool
+        Whether there are more.
+    """
+
+    proofs: tuple[Proof, ...]
+    truncated: bool
+
+    @classmethod
+    def from_dict(cls, reply: Mapping[str, Any], words: Words = ENGLISH) -> Proofs:
+        """Return the proofs that the rules' meta-interpreter gave as dicts."""
+        return cls(tuple(Proof.from_dict(one, words) for one in reply["proofs"]), reply["truncated"])
+
+    def __bool__(self) -> bool:
+        return bool(self.proofs)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the proofs as nested dicts, ready for JSON."""
+        return {
+            "holds": bool(self),
+            "proofs": [one.to_dict() for one in self.proofs],
+            "truncated": self.truncated,
         }
 
 
@@ -214,14 +342,16 @@ class Refusal:
     text: str
     misses: tuple[Miss, ...]
     hindrance: str | None
+    words: Words = field(default=ENGLISH, repr=False, compare=False)
 
     @classmethod
-    def from_dict(cls, reply: Mapping[str, Any]) -> Refusal:
+    def from_dict(cls, reply: Mapping[str, Any], words: Words = ENGLISH) -> Refusal:
         """Return the refusal that the rules' meta-interpreter gave as a dict."""
         misses = tuple(
-            Miss(Proof.from_dict(one["derivation"]), tuple(one["obstacles"])) for one in reply["misses"]
+            Miss(Proof.from_dict(one["derivation"], words), tuple(one["obstacles"]))
+            for one in reply["misses"]
         )
-        return cls(reply["holds"], reply["text"], misses, reply["hindrance"])
+        return cls(reply["holds"], reply["text"], misses, reply["hindrance"], words)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the refusal as nested dicts, ready for JSON."""
@@ -245,31 +375,45 @@ class Refusal:
         """
         if self.hindrance is not None:
             return self.hindrance
-        return " and ".join(self.misses[0].obstacles) if self.misses else ""
+        return self.words.listed(list(self.misses[0].obstacles)) if self.misses else ""
 
     def sentence(self) -> str:
         """Return that it does not hold, and why, in one sentence."""
         reason = self.reason()
-        return as_sentence(f"{self.text}, because {reason}" if reason and not self.holds else self.text)
+        told = f"{self.text}, {self.words.because} {reason}" if reason and not self.holds else self.text
+        return as_sentence(told)
+
+    def others(self) -> list[str]:
+        """Return for each rule but the one that comes closest what keeps it from concluding."""
+        return [
+            f"{self.words.nor} {miss.derivation.rule_place()}: {self.words.listed(list(miss.obstacles))}."
+            for miss in self.misses[1:]
+        ]
 
 
-def contrast(fact: Answer, other: Refusal) -> str:
-    """Return in one sentence why a fact holds rather than another."""
-    if fact.proof is None:
-        return as_sentence(f"{fact.text}: there is nothing to contrast")
-    if other.holds:
-        return as_sentence(f"both hold: {fact.text}, and {other.text}")
-    reason = other.reason()
-    head = f"{fact.text}, but {other.text}"
-    return as_sentence(f"{head}, because {reason}" if reason else head)
+@dataclass(frozen=True, slots=True)
+class Contrast:
+    """Why one thing holds rather than another.
 
-
-def as_sentence(text: str) -> str:
-    """Return a statement as a sentence: a capital first, a full stop last.
-
-    Examples
-    --------
-    >>> as_sentence("the cup is on the table")
-    'The cup is on the table.'
+    Attributes
+    ----------
+    fact : Answer
+    other : Refusal
+    text : str
+        Both in one statement.
     """
-    return f"{text[:1].upper()}{text[1:]}."
+
+    fact: Answer
+    other: Refusal
+    text: str
+
+    def __bool__(self) -> bool:
+        return bool(self.fact) and not self.other.holds
+
+    def sentence(self) -> str:
+        """Return it in one sentence."""
+        return as_sentence(self.text)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the contrast as nested dicts, ready for JSON."""
+        return {"text": self.text, "fact": self.fact.to_dict(), "other": self.other.to_dict()}

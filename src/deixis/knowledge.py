@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from deixis.errors import QueryError
@@ -12,11 +12,13 @@ from deixis.frames import WORLD
 from deixis.hints import hint
 from deixis.inference import Inference
 from deixis.vocabulary import RELATIONS
+from deixis.wording import ENGLISH, Words
 
 if TYPE_CHECKING:
+    from deixis.consequences import Consequences
     from deixis.counterfactual import Change
     from deixis.engines import Engine
-    from deixis.explain import Answer, Proof, Refusal
+    from deixis.explain import Answer, Contrast, Proof, Proofs, Refusal
     from deixis.inspection import Inspection
     from deixis.words import Description, Reply
 
@@ -36,6 +38,8 @@ class KnowledgeBase(Inference):
         ``use_module`` is loaded too. They are checked before any engine sees them.
     region : "box", "hull" or "mesh"
         What things are measured as: their boxes, convex hulls, or meshes where they have one (decision 0017).
+    language : str
+        What sentences are in: a file of ``rules/lang``, ``en`` or ``de``.
 
     Examples
     --------
@@ -57,13 +61,58 @@ class KnowledgeBase(Inference):
         """
         from deixis.explain import Answer
 
-        return Answer.from_dict({**self._explained("why", goal, timeout), "measured_as": self.measured_as})
+        reply = {**self._explained("why", goal, timeout=timeout), "measured_as": self.measured_as}
+        return Answer.from_dict(reply, self.words)
+
+    def why_all(self, goal: str, *, limit: int = 20, timeout: float = 10.0) -> Proofs:
+        """Return all proofs of a goal, the best first, at most ``limit``; raises as :meth:`why` does.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     found = kb.why_all("on_top_of(Thing, floor)")
+        >>> [one.args[0] for one in found.proofs], found.truncated
+        (['extinguisher2', 'heater'], False)
+        """
+        from deixis.explain import Proofs
+
+        if limit < 1:
+            raise QueryError(f"the limit is {limit}: ask for one proof at least")
+        return Proofs.from_dict(self._explained("why_all", goal, limit, timeout=timeout), self.words)
 
     def why_not(self, goal: str, *, timeout: float = 10.0) -> Refusal:
         """Return what keeps each rule from concluding a goal, nearest first; raises as :meth:`why` does."""
         from deixis.explain import Refusal
 
-        return Refusal.from_dict(self._explained("why_not", goal, timeout))
+        return Refusal.from_dict(self._explained("why_not", goal, timeout=timeout), self.words)
+
+    def contrast(self, goal: str, rather_than: str, *, timeout: float = 10.0) -> Contrast:
+        """Return why a goal holds rather than another; raises as :meth:`why` does.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     told = kb.contrast("on_top_of(sweater, heater)", "on_top_of(sweater, floor)")
+        >>> bool(told), [one.derivation.predicate for one in told.other.misses]
+        (True, ['on_top_of'])
+        """
+        from deixis.explain import Answer, Contrast, Refusal
+        from deixis.prolog.engine import question_text
+
+        told = self._explained("contrast", goal, question_text(rather_than), timeout=timeout)
+        fact = {**told["fact"], "measured_as": self.measured_as}
+        words = self.words
+        return Contrast(Answer.from_dict(fact, words), Refusal.from_dict(told["other"], words), told["text"])
+
+    @cached_property
+    def words(self) -> Words:
+        """Return the small words that join sentences, in the language that is spoken."""
+        if self.language == "en":
+            return ENGLISH
+        told = self.engine.call("words")
+        return Words(**{"and_" if name == "and" else name: text for name, text in told.items()})
 
     def names(self, *, view: str | None = None, timeout: float = 60.0) -> dict[str, str]:
         """Return what each thing is called: a phrase that picks out it and no other (decision 0033).
@@ -101,10 +150,10 @@ class KnowledgeBase(Inference):
         given = [] if view is None else [Atom(view)]
         return dict(self.engine.call("names", *given, timeout=timeout))
 
-    def _explained(self, operation: str, goal: str, timeout: float) -> dict[str, Any]:
+    def _explained(self, operation: str, goal: str, *more: str | int, timeout: float) -> dict[str, Any]:
         from deixis.prolog.engine import question_text
 
-        reply: Any = self.engine.call(operation, question_text(goal), timeout=timeout)
+        reply: Any = self.engine.call(operation, question_text(goal), *more, timeout=timeout)
         if "unknown" in reply:
             known = [*self.facts.ids, *(view.id for view in self.scene.views)]
             name = reply["unknown"]
@@ -165,7 +214,8 @@ class KnowledgeBase(Inference):
             self.check_view(view)
             scene = replace(scene, views=tuple(one for one in scene.views if one.id == view))
             facts = replace(facts, views=tuple(one for one in facts.views if one.view in (WORLD, view)))
-        variant = KnowledgeBase(scene, rules=self._rules or ("safety",), region=self.region)
+        rules = self._rules or ("safety",)
+        variant = KnowledgeBase(scene, rules=rules, region=self.region, language=self.language)
         variant.facts = facts
         return variant
 
@@ -200,9 +250,29 @@ class KnowledgeBase(Inference):
         from deixis.counterfactual import moved
         from deixis.regrounding import reground
 
-        after = KnowledgeBase(moved(self.scene, moves), rules=self._rules, region=self.region)
+        then = moved(self.scene, moves)
+        after = KnowledgeBase(then, rules=self._rules, region=self.region, language=self.language)
         after.facts = reground(self.scene, self.facts, after.scene)
         return after
+
+    def consequences(
+        self, moves: Mapping[str, Sequence[float]], *, limit: int | None = None, timeout: float = 60.0
+    ) -> Consequences:
+        """Return the relations gained and lost if some things are moved by x, y, z metres, with reasons.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     found = kb.consequences({"sweater": (0.0, 0.0, 0.1)})
+        >>> len(found.gained), [one.because for one in found.lost]
+        (0, ['The sweater is not on top of the electric heater (short by 8 cm).'])
+        """
+        from deixis.consequences import compared
+
+        with self.what_if(moves) as then:
+            before, after = self.relations(timeout=timeout), then.relations(timeout=timeout)
+            return compared(before, after, partial(then.why, timeout=timeout), limit)
 
     def describe(
         self,
@@ -277,10 +347,12 @@ class KnowledgeBase(Inference):
         return say(self, question, names, why, why_not, view=view, timeout=timeout)
 
     def _called(self, view: str | None, timeout: float) -> Mapping[str, str]:
-        """Return what each thing is called; Prolog is asked only where a label alone does not tell."""
-        labels = [thing.label for thing in self.scene.objects]
-        if all(labels) and len(set(labels)) == len(labels):
-            return {thing.id: f"the {thing.label}" for thing in self.scene.objects}
+        """Return what each thing is called in English; Prolog is asked only where a label does not tell."""
+        from deixis.words.nouns import plain_names
+
+        plain = plain_names(self.scene)
+        if self.language != "en" or len(set(plain.values())) == len(plain):
+            return plain
         return self.names(view=view, timeout=timeout)
 
     def proofs(
@@ -303,5 +375,5 @@ class KnowledgeBase(Inference):
         names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
         wanted: list[Any] = [[Atom(name), arity] for one in names for name, arity in self._predicates(one)]
         found: Any = self.engine.call("proofs", *wanted, timeout=timeout)
-        proofs = map(Proof.from_dict, found)
+        proofs = (Proof.from_dict(one, self.words) for one in found)
         return {(one.predicate, *map(str, one.args)): one for one in proofs}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,13 +15,14 @@ from deixis.cli import serve as serve_command
 from deixis.cli.output import (
     Format,
     RelationFormat,
-    printable,
     printable_lines,
     records,
+    warn,
     write_csv,
     write_json,
     write_table,
 )
+from deixis.cli.shown import show_relations
 
 if TYPE_CHECKING:
     from deixis.knowledge import KnowledgeBase
@@ -69,9 +70,7 @@ RuleFiles = Annotated[
     ),
 ]
 
-RDF_FORMATS = (RelationFormat.TTL, RelationFormat.TRIG, RelationFormat.NQ, RelationFormat.JSONLD)
-
-RELATION_COLUMNS = ("relation", "figure", "reference", "view", "margin")
+Language = Annotated[str, typer.Option("--lang", metavar="LANGUAGE", help="What sentences are in: en or de.")]
 
 _NAMED = 5
 """Things named in a message before it is cut short."""
@@ -91,6 +90,14 @@ class OntologyFormat(StrEnum):
     TTL = "ttl"
     OWL = "owl"
     NT = "nt"
+
+
+class Length(StrEnum):
+    """How much is told, as :data:`deixis.explain.Length`."""
+
+    BRIEF = "brief"
+    NORMAL = "normal"
+    FULL = "full"
 
 
 class TextOrJson(StrEnum):
@@ -115,11 +122,13 @@ def _options(
     pass
 
 
-def open_scene(scene: Path, region: Region, rules: list[Path] | None = None) -> KnowledgeBase:
+def open_scene(
+    scene: Path, region: Region, rules: list[Path] | None = None, language: str = "en"
+) -> KnowledgeBase:
     """Return the knowledge base of a scene file; say on stderr what its readers should know."""
     from deixis.knowledge import KnowledgeBase
 
-    kb = KnowledgeBase.from_scene(scene, rules=rules or (), region=region.value)
+    kb = KnowledgeBase.from_scene(scene, rules=rules or (), region=region.value, language=language)
     warn(kb.scene.diagnostics)
     if kb.box_only:
         some = ", ".join(kb.box_only[:_NAMED]) + (" ..." if len(kb.box_only) > _NAMED else "")
@@ -127,12 +136,6 @@ def open_scene(scene: Path, region: Region, rules: list[Path] | None = None) -> 
             [f"{len(kb.box_only)} of {len(kb.scene.objects)} have only a box and are measured as it: {some}"]
         )
     return kb
-
-
-def warn(messages: Any) -> None:
-    """Say on stderr what should be known beside the answer."""
-    for message in messages:
-        print(f"deixis: {printable(message)}", file=sys.stderr)
 
 
 @app.command()
@@ -152,30 +155,7 @@ def relations(
 ) -> None:
     """Print the relations that hold in a scene, each with its margin in metres."""
     with open_scene(scene, region, rules) as kb:
-        found = kb.relations(view=view, relation=relation, timeout=timeout, engine=engine.value)
-        if output is RelationFormat.JSON:
-            write_json(
-                {
-                    "scene": kb.scene.id,
-                    "measured_as": kb.measured_as,
-                    "relations": [one.to_dict() for one in found],
-                    "withheld": [one.to_dict() for one in kb.withheld if view in (None, one.view)],
-                }
-            )
-        elif output is RelationFormat.PL:
-            for one in found:
-                sys.stdout.write(one.to_prolog() + ".\n")
-        elif output in RDF_FORMATS:
-            from deixis.rdf.export import relations_text
-
-            sys.stdout.write(relations_text(kb, found, output.value))
-        else:
-            rows = records(RELATION_COLUMNS, [one.to_dict() for one in found])
-            (write_csv if output is RelationFormat.CSV else write_table)(RELATION_COLUMNS, rows)
-        noise = kb.scene.thresholds.pose_noise
-        unsure = sum(one.margin is not None and one.margin < noise for one in found)
-        if output is RelationFormat.TABLE and unsure:
-            warn([f"{unsure} of {len(found)} hold by less than the pose noise of {noise * 100:g} cm"])
+        found = show_relations(kb, output, view=view, relation=relation, timeout=timeout, engine=engine.value)
     if not found:
         raise typer.Exit(1)
 
@@ -258,44 +238,23 @@ def ask(
 
 
 @app.command()
-def why(
-    scene: ScenePath,
-    goal: Annotated[str, typer.Argument(metavar="GOAL", help="A relation, e.g. 'leans_on(ladder, wall)'.")],
-    region: RegionOption = Region.BOX,
-    output: Annotated[TextOrJson, typer.Option("--format", help="How to print the proof.")] = TextOrJson.TEXT,
-    timeout: Seconds = 10.0,
-    rules: RuleFiles = None,
-) -> None:
-    """Explain why a relation holds, down to the measured numbers; exit code 1 when it does not hold."""
-    with open_scene(scene, region, rules) as kb:
-        answer = kb.why(goal, timeout=timeout)
-    if output is TextOrJson.JSON:
-        write_json({"goal": goal, **answer.to_dict()})
-    elif answer.proof is not None:
-        print(printable_lines(answer.proof.outline()))
-    else:
-        print(f"No: {printable(answer.text)}.")
-    if answer.proof is None:
-        raise typer.Exit(1)
-
-
-@app.command()
 def shell(
     scenes: Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files.")],
     region: RegionOption = Region.BOX,
     rules: RuleFiles = None,
+    lang: Language = "en",
 ) -> None:
     """Open SWI-Prolog with scenes and the rules loaded.
 
-    At its prompt also: objects, axioms, help(on_top_of), why(GOAL), why_not(GOAL), view(V). With several
-    scenes each id has the id of its scene and _ in front: cup of the scene hall is hall_cup.
+    At its prompt also: objects, axioms, help(on_top_of), why(GOAL), why_not(GOAL), contrast(GOAL, OTHER),
+    view(V). With several scenes each id has the id of its scene and _ in front: hall_cup is cup of hall.
     """
     from deixis._files import theory_files
     from deixis.prolog.shell import exec_shell
 
     opened = [open_scene(scene, region, rules) for scene in scenes]
     grounded = [(kb.facts, [(view.id, view.label) for view in kb.scene.views]) for kb in opened]
-    exec_shell([*theory_files(), *opened[0].rule_files], grounded, opened[0].tabled)
+    exec_shell([*theory_files(lang), *opened[0].rule_files], grounded, opened[0].tabled)
 
 
 @app.command()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Mapping
 from typing import Any, Final
 
 from deixis.errors import QueryError
@@ -133,11 +132,36 @@ class Reasons:
         """Return the bindings for which a goal of the rules' subset holds, on DuckDB."""
         return answers(self.kb, goal, limit, timeout)
 
+    def called(self, *, view: str | None, timeout: float) -> dict[str, Any]:
+        """Return what each thing is called."""
+        return {"names": self.kb.names(view=view, timeout=timeout)}
+
     def why(self, *, goal: str, timeout: float) -> dict[str, Any]:
         """Return the proof of a relation, or how far it is from holding."""
-        answer = self.kb.why(goal, timeout=timeout)
-        told: Mapping[str, Any] = answer.to_dict()
-        return {"goal": goal, **told}
+        return {"goal": goal, **self.kb.why(goal, timeout=timeout).to_dict()}
+
+    def why_all(self, *, goal: str, limit: int, timeout: float) -> dict[str, Any]:
+        """Return all proofs of a relation, or the first of them."""
+        return {"goal": goal, **self.kb.why_all(goal, limit=limit, timeout=timeout).to_dict()}
+
+    def why_not(self, *, goal: str, timeout: float) -> dict[str, Any]:
+        """Return what keeps each rule from concluding a relation."""
+        found = self.kb.why_not(goal, timeout=timeout)
+        return {"goal": goal, "sentence": found.sentence(), **found.to_dict()}
+
+    def contrast(self, *, goal: str, rather_than: str, timeout: float) -> dict[str, Any]:
+        """Return why one relation holds rather than another."""
+        found = self.kb.contrast(goal, rather_than, timeout=timeout)
+        return {"goal": goal, "rather_than": rather_than, "sentence": found.sentence(), **found.to_dict()}
+
+    def change(self, *, goal: str) -> dict[str, Any]:
+        """Return the smallest move that makes a relation hold, or cease to."""
+        found = self.kb.change(goal)
+        return {"goal": goal, "change": None if found is None else found.to_dict()}
+
+    def what_if(self, *, moves: dict[str, list[float]], limit: int, timeout: float) -> dict[str, Any]:
+        """Return what would be otherwise if things stood elsewhere."""
+        return self.kb.consequences(moves, limit=limit, timeout=timeout).to_dict()
 
 
 def _cursor(position: int) -> str:

@@ -93,6 +93,11 @@ class Nouns:
         return f": there are {', '.join(map(short, some[:_SOME]))}{more}" if some else ""
 
 
+def plain_names(scene: Scene) -> dict[str, str]:
+    """Return things by their labels, or their ids: two may be called the same."""
+    return {thing.id: f"the {thing.label}" if thing.label else thing.id for thing in scene.objects}
+
+
 def _add(known: dict[str, list[str]], name: str, thing: str) -> None:
     known.setdefault(name, []).append(thing)
 
