@@ -10,6 +10,8 @@
             sideways/2,                 % ?Figure, ?Ground
             enters/2,                   % ?Figure, ?Ground
             heaped_in/2,                % ?Figure, ?Ground
+            hovers/2,                   % ?Figure, ?Ground
+            lower/2,                    % ?Figure, ?Ground
             apart/2,                    % ?Figure, ?Ground
             aside/2                     % ?Figure, ?Ground
           ]).
@@ -138,6 +140,29 @@ heaped_in(Figure, Ground) :-
     rests_on(Figure, Content),
     touches(Figure, Ground).
 
+%!  hovers(?Figure, ?Ground) is nondet.
+%
+%   Figure is over some of Ground and does not touch it from above: a lamp over a table, and a balloon at the
+%   edge of a table that it overhangs.
+
+hovers(Figure, Ground) :-
+    apart(Figure, Ground),
+    above_r(Figure, Ground).
+hovers(Figure, Ground) :-
+    movable(Figure),
+    below_r(Ground, Figure),
+    \+ above_r(Figure, Ground),
+    \+ intersects(Figure, Ground).
+
+%!  lower(?Figure, ?Ground) is nondet.
+%
+%   Some of Ground is over Figure, be it on it, and the two do not overlap.
+
+lower(Figure, Ground) :-
+    movable(Figure),
+    over_some(Ground, Figure),
+    \+ intersects(Figure, Ground).
+
 %!  apart(?Figure, ?Ground) is nondet.
 %
 %   Figure is within reach of Ground, and neither touches nor overlaps it.
@@ -180,21 +205,13 @@ fits(touching, Figure, Ground) :-
     movable(Figure),
     touches(Figure, Ground).
 fits(above, Figure, Ground) :-
-    apart(Figure, Ground),
-    above_r(Figure, Ground).
-fits(above, Figure, Ground) :-          % a balloon at the edge of a table that it overhangs
-    movable(Figure),
-    below_r(Ground, Figure),
-    \+ above_r(Figure, Ground),
-    \+ intersects(Figure, Ground).
+    hovers(Figure, Ground).
 fits(over, Figure, Ground) :-
-    fits(above, Figure, Ground).
+    hovers(Figure, Ground).
 fits(below, Figure, Ground) :-
-    movable(Figure),
-    over_some(Ground, Figure),
-    \+ intersects(Figure, Ground).
+    lower(Figure, Ground).
 fits(under, Figure, Ground) :-
-    fits(below, Figure, Ground).
+    lower(Figure, Ground).
 fits(near, Figure, Ground) :-
     apart(Figure, Ground),
     is_close(Figure, Ground).

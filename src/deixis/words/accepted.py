@@ -7,16 +7,21 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING, Final
+from weakref import WeakKeyDictionary
 
 from deixis._files import datalog_files, rules_dir
 
 if TYPE_CHECKING:
+    from deixis.facts import Facts
     from deixis.inference import Inference
     from deixis.ruleset import Indicator, Ruleset
 
 FITS: Final[tuple[Indicator, Indicator]] = (("fits", 3), ("fits", 4))
 
 Pair = tuple[str, str]
+
+_KNOWN: Final[WeakKeyDictionary[Inference, tuple[Facts, Accepted]]] = WeakKeyDictionary()
+"""What was found of a knowledge base already: one question after the other asks for the same."""
 
 
 @dataclass
@@ -51,8 +56,13 @@ def accepted(kb: Inference, timeout: float = 60.0) -> Accepted:
     QueryTimeout
         It took longer than ``timeout`` seconds.
     """
-    tables = kb.executor_of(_rules()).run(kb.facts, FITS, margins=False, timeout=timeout)
-    return _gathered(row for table in tables.values() for row in table.rows())
+    facts = kb.facts
+    known = _KNOWN.get(kb)
+    if known is None or known[0] is not facts:
+        tables = kb.executor_of(_rules()).run(facts, FITS, margins=False, timeout=timeout)
+        known = facts, _gathered(row for table in tables.values() for row in table.rows())
+        _KNOWN[kb] = known
+    return known[1]
 
 
 def _gathered(rows: Iterable[tuple[str | float, ...]]) -> Accepted:
