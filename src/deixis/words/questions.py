@@ -128,7 +128,8 @@ def _trouble(text: str, found: UnexpectedInput) -> str:
         return unknown
     if token is None or token.type == "$END":
         return f"character {len(text.rstrip()) + 1}: the question ends too early"
-    return f"character {(token.start_pos or 0) + 1}: {short(str(token))!r} is not expected here"
+    start, end = token.start_pos or 0, token.end_pos or 0
+    return f"character {start + 1}: {short(text[start:end])!r} is not expected here"
 
 
 def _no_preposition(text: str) -> str:
