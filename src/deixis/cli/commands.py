@@ -79,6 +79,8 @@ _NAMED = 5
 class EngineName(StrEnum):
     """What derives relations."""
 
+    AUTO = "auto"
+    ARRAYS = "arrays"
     DUCKDB = "duckdb"
     PROLOG = "prolog"
     SPARQL = "sparql"
@@ -151,7 +153,7 @@ def relations(
     rules: RuleFiles = None,
     engine: Annotated[
         EngineName, typer.Option(help="What derives them; all give the same.")
-    ] = EngineName.DUCKDB,
+    ] = EngineName.AUTO,
 ) -> None:
     """Print the relations that hold in a scene, each with its margin in metres."""
     with open_scene(scene, region, rules) as kb:

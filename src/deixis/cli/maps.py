@@ -149,7 +149,7 @@ def relations(
 
     with KnowledgeBase(_at(database, at), rules=rules or (), region=region.value) as kb:
         warn(kb.scene.diagnostics)
-        found = show_relations(kb, output, view=view, relation=relation, timeout=timeout, engine="duckdb")
+        found = show_relations(kb, output, view=view, relation=relation, timeout=timeout, engine="auto")
     if not found:
         raise typer.Exit(1)
 

@@ -121,7 +121,7 @@ def check(
     region: RegionOption = Region.BOX,
     engine: Annotated[
         EngineName, typer.Option(help="What derives the violations; all give the same.")
-    ] = EngineName.DUCKDB,
+    ] = EngineName.AUTO,
     output: Annotated[TextOrJson, typer.Option("--format", help="How to print them.")] = TextOrJson.TEXT,
     brief: Annotated[bool, typer.Option("--brief", help="Without reasons: needs no SWI-Prolog.")] = False,
     timeout: Seconds = 60.0,
