@@ -15,7 +15,7 @@
 :- use_module(library(aggregate)).
 :- use_module(library(solution_sequences)).
 :- use_module(facts).
-:- use_module(axioms).
+:- use_module(margins).
 :- use_module(outline).
 :- use_module(verbalise).
 :- use_module(words).
@@ -289,17 +289,6 @@ step(Goal, M, Kind) :-
     ;   Kind = rule(Def)
     ).
 
-comparison(_ < _).
-comparison(_ =< _).
-comparison(_ > _).
-comparison(_ >= _).
-comparison(_ =:= _).
-comparison(_ =\= _).
-comparison(_ \== _).
-comparison(_ == _).
-comparison(_ = _).
-comparison(_ \= _).
-
 %   recall(+Goal, +Module, -Node): a base fact. Numbers that are not lengths come back marked, so that no
 %   comparison of theirs is taken for a margin in metres.
 
@@ -331,67 +320,6 @@ marked(label(O, N, S), label(O, N, no_length(S))) :- !.
 marked(threshold(halfspace_scale, S), threshold(halfspace_scale, no_length(S))) :- !.
 marked(pair(A, B, D, S, P, V, F, U, W), pair(A, B, D, S, P, no_length(V), no_length(F), U, W)) :- !.
 marked(Goal, Goal).
-
-%   compares(+Comparison, -Plain, -Margin): Plain can be called; Margin is the length to spare, negative
-%   when the comparison fails, `inf` when no length is compared.
-
-compares(Goal, Goal, inf) :-
-    names(Goal),
-    !.
-compares(Goal, Plain, Margin) :-
-    Goal =.. [Op, A, B],
-    value(A, X, Length),
-    value(B, Y, Length),
-    Plain =.. [Op, X, Y],
-    (   Length == none
-    ->  Margin = inf
-    ;   spare(Op, X, Y, Margin)
-    ).
-
-names(_ \== _).
-names(_ == _).
-names(_ = _).
-names(_ \= _).
-
-spare(=<, X, Y, M) :- M is Y - X.
-spare(<, X, Y, M) :- M is Y - X.
-spare(>=, X, Y, M) :- M is X - Y.
-spare(>, X, Y, M) :- M is X - Y.
-spare(=:=, X, Y, M) :- M is -abs(X - Y).
-spare(=\=, X, Y, M) :- M is abs(X - Y).
-
-value(X, X, _) :- number(X), !.
-value(no_length(X), X, none) :- !.
-value(-A, X, L) :- !, value(A, Y, L), X is -Y.
-value(A + B, X, L) :- !, value(A, Y, L), value(B, Z, L), X is Y + Z.
-value(A - B, X, L) :- !, value(A, Y, L), value(B, Z, L), X is Y - Z.
-value(A * B, X, L) :- !, value(A, Y, L), value(B, Z, L), X is Y * Z.
-
-%   Margins: numbers, `inf`, `-inf` by way of negated/2.
-
-margin(node(_, _, Margin, _, _), Margin).
-
-negated(inf, minus_inf) :- !.
-negated(minus_inf, inf) :- !.
-negated(M, N) :- N is -M.
-
-less(minus_inf, B) :- !, B \== minus_inf.
-less(_, minus_inf) :- !, fail.
-less(inf, _) :- !, fail.
-less(_, inf) :- !.
-less(A, B) :- A < B.
-
-larger(A, B, C) :- ( less(A, B) -> C = B ; C = A ).
-
-weakest(Nodes, Margin) :-
-    foldl(weaker, Nodes, inf, Margin).
-
-weaker(Node, B, C) :-
-    margin(Node, A),
-    (   less(A, B)
-    ->  C = A
-    ;   C = B
-    ).
 
 size(node(_, _, _, _, Children), Size) :-
     foldl([Child, S0, S]>>( size(Child, S1), S is S0 + S1 ), Children, 1, Size).

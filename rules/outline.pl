@@ -6,6 +6,7 @@
 :- use_module(library(lists), [member/2]).
 :- use_module(axioms).
 :- use_module(verbalise).
+:- use_module(words).
 
 /** <module> Proofs as outlines
 
@@ -108,5 +109,7 @@ node_source(node(rule, Goal, _, _, _), Text) :-
     goal_axiom(Goal, Number),
     integer(Number),
     !,
-    format(string(Text), "  [axiom ~d]", [Number]).
+    language(Words),
+    Words:connective(axiom, Axiom),
+    format(string(Text), "  [~w ~d]", [Axiom, Number]).
 node_source(_, "").

@@ -68,7 +68,16 @@ goal_text(Marked, yes, Text) :-
 
 %   template(+Goal, -Template): the user's own, or that of the language.
 
-template(Goal, _) :- Goal = (_, _), !, fail.
+template((_, _), _) :- !, fail.
+template(Goal, Template) :-
+    nonvar(Goal),
+    ( Goal = (A \== B) -> Sign = yes ; Goal = (A \= B) -> Sign = yes
+    ; Goal = (A == B) -> Sign = no ; Goal = (A = B), Sign = no
+    ),
+    !,
+    language(Words),
+    Words:differs(A, B, Yes),
+    Template = signed(Sign, Yes).
 template(Goal, own(Yes, No, Args)) :-
     callable(Goal),
     Goal =.. [Name|All],
@@ -99,6 +108,12 @@ own_template(Goal, Name, Yes, No) :-
     atom(Yes),
     atom(No).
 
+template_text(signed(Sign, Template), Polarity, Text) :-
+    !,
+    (   Sign == Polarity
+    ->  template_text(Template, yes, Text)
+    ;   template_text(Template, no, Text)
+    ).
 template_text(own(Yes, No, Args), Polarity, Text) :-
     !,
     (   Polarity == yes
@@ -225,9 +240,6 @@ short_text(Margin, Text) :-
     length_text(By, Length),
     saying(short_by, [Length], Text).
 
-comparison_text(A \== B, _, Text) :-
-    !,
-    goal_text(A \== B, yes, Text).
 comparison_text(Marked, Margin, Text) :-
     plain(Marked, Goal),
     Goal =.. [Op, A0, B0],

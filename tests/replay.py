@@ -103,7 +103,7 @@ class Truth:
         return rule
 
     def bindings(self, step: Proof) -> Bound:
-        """Return what the variables of a step's rule stand for, by its conclusion and its positive reasons."""
+        """Return what the variables of a step's rule stand for, by its conclusion and its reasons."""
         rule = self.rule_of(step)
         bound = head_bound(rule, step.args)
         assert bound is not None, step.text

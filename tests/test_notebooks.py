@@ -17,8 +17,8 @@ SECONDS = 20.0
 PROMISED = {
     "00_hello_scene": [
         "on_top_of(sweater, heater): 2.0 cm to spare",
-        "the fire extinguisher (extinguisher2) leans on the wall  [axiom 37]",
-        "yes: the fire extinguisher (extinguisher2) is left of the radiator as seen from the robot",
+        "the fire extinguisher on the floor leans on the wall  [axiom 37]",
+        "yes: the fire extinguisher on the floor is left of the radiator as seen from the robot",
         "no more: {('on_top_of', 'sweater', 'heater', '')}",
         "new:     nothing",
     ],

@@ -1,7 +1,7 @@
 """Every proof of the golden scenes checks, and says what is written down; no refusal names what holds.
 
-The sentences are ``sentences/NAME.txt``, a line for each relation: the goal, a tab, its reasons in a sentence.
-``DEIXIS_BLESS=1 pytest tests/test_proofs.py`` writes the files anew: read the difference.
+The sentences are ``sentences/NAME.txt``, a line for each relation: the goal, a tab, its reasons in a
+sentence. ``DEIXIS_BLESS=1 pytest tests/test_proofs.py`` writes the files anew: read the difference.
 """
 
 from __future__ import annotations

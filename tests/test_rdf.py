@@ -250,7 +250,7 @@ def test_premises_lead_to_steps_that_say_something(hans: ox.Store) -> None:
         "Absence": 2,
         "Measurement": 1,
     }
-    assert ("urn:deixis:term:Derivation", "the fire extinguisher (extinguisher2) touches the wall") in why
+    assert ("urn:deixis:term:Derivation", "the fire extinguisher on the floor touches the wall") in why
 
 
 def test_without_proofs_the_margins_are_there_all_the_same(figure_3: Scene) -> None:

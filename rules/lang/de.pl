@@ -2,6 +2,7 @@
           [ sentence/2,                 % ?Goal, ?Template
             no_other/3,                 % ?Goal, ?Exception, ?Template
             none/2,                     % ?Goal, ?Template
+            differs/3,                  % ?A, ?B, ?Template
             hindered/2,                 % ?What, ?Template
             called/2,                   % ?Before, ?After
             side/3,                     % ?Side, ?Before, ?After
@@ -100,8 +101,6 @@ sentence(pair(A, B, D, _, _, _, _, _, _),
 sentence(aspect(V, A, B, _, _, _, _),
          ['die Seiten von', the(A), und, the(B), v('sind gemessen', 'sind nicht gemessen')|Seen]) :-
     seen(V, Seen).
-sentence(A \== B, [the(A), v('ist etwas anderes als', 'ist nichts anderes als'), the(B)]).
-sentence(A == B, [the(A), v('ist nichts anderes als', 'ist etwas anderes als'), the(B)]).
 
 %   support.pl
 
@@ -157,6 +156,12 @@ no_other(touches(_, F), R, ['nichts außer', the(R), 'berührt', the(F)]).
 none(on_wall(T, _), ['keine Wand hält', the(T)]).
 none(has_near(T, Kind, _), ['nichts, was als', name(Kind), 'gilt, ist in der Nähe von', the(T)]).
 none((label(T, _, _), _ > _), ['keine andere Bezeichnung von', the(T), 'hat eine höhere Bewertung']).
+
+%!  differs(?A, ?B, ?Template) is det.
+%
+%   Template says that A is not B.
+
+differs(A, B, [the(A), v('ist etwas anderes als', 'ist nichts anderes als'), the(B)]).
 
 %!  hindered(?What, ?Template) is nondet.
 %

@@ -2,6 +2,7 @@
           [ sentence/2,                 % ?Goal, ?Template
             no_other/3,                 % ?Goal, ?Exception, ?Template
             none/2,                     % ?Goal, ?Template
+            differs/3,                  % ?A, ?B, ?Template
             hindered/2,                 % ?What, ?Template
             called/2,                   % ?Before, ?After
             side/3,                     % ?Side, ?Before, ?After
@@ -100,8 +101,6 @@ sentence(pair(A, B, D, _, _, _, _, _, _),
 sentence(aspect(V, A, B, _, _, _, _),
          ['the sides of', the(A), 'and', the(B), v('were measured', 'were not measured')|Seen]) :-
     seen(V, Seen).
-sentence(A \== B, [the(A), v('is other than', 'is no other than'), the(B)]).
-sentence(A == B, [the(A), v('is no other than', 'is other than'), the(B)]).
 
 %   support.pl
 
@@ -156,6 +155,12 @@ no_other(touches(_, F), R, ['nothing other than', the(R), 'touches', the(F)]).
 none(on_wall(T, _), ['no wall holds', the(T)]).
 none(has_near(T, Kind, _), ['no', name(Kind), 'is near', the(T)]).
 none((label(T, _, _), _ > _), ['no label of', the(T), 'scores higher']).
+
+%!  differs(?A, ?B, ?Template) is det.
+%
+%   Template says that A is not B.
+
+differs(A, B, [the(A), v('is other than', 'is no other than'), the(B)]).
 
 %!  hindered(?What, ?Template) is nondet.
 %

@@ -219,12 +219,6 @@ class Inference:
 
         return AutoExecutor(self.ruleset)
 
-    def executor_of(self, ruleset: Ruleset) -> SqlExecutor:
-        """Return an executor of other rules, in the database that is open already."""
-        from deixis.sql import SqlExecutor
-
-        return SqlExecutor(ruleset, beside=self._sql)
-
     def _predicates(self, name: str) -> list[Indicator]:
         """Return the predicates that a relation's name stands for."""
         from deixis.engines import predicates

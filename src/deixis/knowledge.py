@@ -73,7 +73,7 @@ class KnowledgeBase(Inference):
         >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
         ...     found = kb.why_all("on_top_of(Thing, floor)")
         >>> [one.args[0] for one in found.proofs], found.truncated
-        (['extinguisher2', 'heater'], False)
+        (['heater', 'extinguisher2'], False)
         """
         from deixis.explain import Proofs
 

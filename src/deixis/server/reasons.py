@@ -30,6 +30,7 @@ class Reasons:
 
     def __init__(self) -> None:
         self._kb: KnowledgeBase | None = None
+        self._explaining: KnowledgeBase | None = None
         self._known: dict[tuple[str, ...] | None, tuple[Relation, ...]] = {}
 
     @property
@@ -38,6 +39,14 @@ class Reasons:
         if self._kb is None:
             raise QueryError("no scene is loaded")
         return self._kb
+
+    @property
+    def explaining(self) -> KnowledgeBase:
+        """Return the knowledge base with the rules of safety, whose breaches have reasons too."""
+        if self._explaining is None:
+            self._explaining = KnowledgeBase(self.kb.scene, rules=("safety",))
+            self._explaining.facts = self.kb.facts
+        return self._explaining
 
     def load(self, text: bytes, *, export: bool) -> tuple[dict[str, Any], bytes]:
         """Take in a scene in JSON; return what it holds and, if wanted, all its quads.
@@ -50,7 +59,7 @@ class Reasons:
         from deixis.errors import SceneError
 
         scene = Scene.from_dict(parse(text, SceneError, _EXPORTED))
-        self._kb, self._known = KnowledgeBase(scene), {}
+        self._kb, self._explaining, self._known = KnowledgeBase(scene), None, {}
         told: dict[str, Any] = {
             "id": scene.id,
             "objects": len(scene.objects),
@@ -134,34 +143,34 @@ class Reasons:
 
     def called(self, *, view: str | None, timeout: float) -> dict[str, Any]:
         """Return what each thing is called."""
-        return {"names": self.kb.names(view=view, timeout=timeout)}
+        return {"names": self.explaining.names(view=view, timeout=timeout)}
 
     def why(self, *, goal: str, timeout: float) -> dict[str, Any]:
         """Return the proof of a relation, or how far it is from holding."""
-        return {"goal": goal, **self.kb.why(goal, timeout=timeout).to_dict()}
+        return {"goal": goal, **self.explaining.why(goal, timeout=timeout).to_dict()}
 
     def why_all(self, *, goal: str, limit: int, timeout: float) -> dict[str, Any]:
         """Return all proofs of a relation, or the first of them."""
-        return {"goal": goal, **self.kb.why_all(goal, limit=limit, timeout=timeout).to_dict()}
+        return {"goal": goal, **self.explaining.why_all(goal, limit=limit, timeout=timeout).to_dict()}
 
     def why_not(self, *, goal: str, timeout: float) -> dict[str, Any]:
         """Return what keeps each rule from concluding a relation."""
-        found = self.kb.why_not(goal, timeout=timeout)
+        found = self.explaining.why_not(goal, timeout=timeout)
         return {"goal": goal, "sentence": found.sentence(), **found.to_dict()}
 
     def contrast(self, *, goal: str, rather_than: str, timeout: float) -> dict[str, Any]:
         """Return why one relation holds rather than another."""
-        found = self.kb.contrast(goal, rather_than, timeout=timeout)
+        found = self.explaining.contrast(goal, rather_than, timeout=timeout)
         return {"goal": goal, "rather_than": rather_than, "sentence": found.sentence(), **found.to_dict()}
 
     def change(self, *, goal: str) -> dict[str, Any]:
         """Return the smallest move that makes a relation hold, or cease to."""
-        found = self.kb.change(goal)
+        found = self.explaining.change(goal)
         return {"goal": goal, "change": None if found is None else found.to_dict()}
 
     def what_if(self, *, moves: dict[str, list[float]], limit: int, timeout: float) -> dict[str, Any]:
         """Return what would be otherwise if things stood elsewhere."""
-        return self.kb.consequences(moves, limit=limit, timeout=timeout).to_dict()
+        return self.explaining.consequences(moves, limit=limit, timeout=timeout).to_dict()
 
 
 def _cursor(position: int) -> str:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 from weakref import WeakKeyDictionary
 
 from deixis._files import datalog_files, rules_dir
+from deixis.engines import AutoExecutor
 
 if TYPE_CHECKING:
     from deixis.facts import Facts
@@ -59,7 +60,8 @@ def accepted(kb: Inference, timeout: float = 60.0) -> Accepted:
     facts = kb.facts
     known = _KNOWN.get(kb)
     if known is None or known[0] is not facts:
-        tables = kb.executor_of(_rules()).run(facts, FITS, margins=False, timeout=timeout)
+        with AutoExecutor(_rules()) as executor:
+            tables = executor.run(facts, FITS, margins=False, timeout=timeout)
         known = facts, _gathered(row for table in tables.values() for row in table.rows())
         _KNOWN[kb] = known
     return known[1]
