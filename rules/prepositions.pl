@@ -110,17 +110,14 @@ sideways(Figure, Ground) :-
 
 %!  enters(?Figure, ?Ground) is nondet.
 %
-%   Figure is within Ground, or partly: axioms 19 and 40, whichever of the two is the larger.
+%   Figure is within Ground, or partly (axioms 19 and 40): nobody says that the shelf is in the vase.
 
 enters(Figure, Ground) :-
     movable(Figure),
-    compl_cont(Ground, Figure).
+    inside(Figure, Ground).
 enters(Figure, Ground) :-
     movable(Figure),
-    intersects(Figure, Ground),
-    adj_sr_card(Figure, Ground, OfFigure),
-    adj_sr_card(Ground, Figure, OfGround),
-    OfFigure < OfGround.
+    part_in(Figure, Ground).
 
 %!  heaped_in(?Figure, ?Ground) is nondet.
 %
@@ -129,12 +126,14 @@ enters(Figure, Ground) :-
 %   stands on the same floor, and makes nothing be in the table.
 
 heaped_in(Figure, Ground) :-
+    figure_reference(Figure, Ground),
     enters(Content, Ground),
     \+ one_ground(Content, Ground, _),
     touches(Figure, Content),
     touches(Figure, Ground),
     rests_on(Figure, Ground).
 heaped_in(Figure, Ground) :-
+    figure_reference(Figure, Ground),
     enters(Content, Ground),
     \+ one_ground(Content, Ground, _),
     rests_on(Figure, Content),

@@ -35,7 +35,9 @@ fruit(Facts) :-
     gap(high, bowl, 0.0, B),
     all([Things, A, B,
          [ pair(low, bowl, 0.0, -0.07, 0.0, 0.001, 0.0001, -0.07, -0.07),
-           pair(bowl, low, 0.0, -0.07, 0.2, 0.001, 0.0010, -0.07, -0.07) ]], Facts).
+           pair(bowl, low, 0.0, -0.07, 0.2, 0.001, 0.0010, -0.07, -0.07),
+           figure_reference(low, bowl),
+           figure_reference(high, bowl) ]], Facts).
 
 :- begin_tests(prepositions).
 

@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Any, Final
 
 from deixis.errors import QueryError
 from deixis.hints import hint
-from deixis.words.phrases import called, is_plural, joined, number, perspective, plural, sentence, short
+from deixis.words.phrases import (
+    called,
+    indefinite,
+    is_plural,
+    joined,
+    number,
+    perspective,
+    plural,
+    sentence,
+    short,
+)
 from deixis.words.places import Place, Places
 
 if TYPE_CHECKING:
@@ -145,7 +155,7 @@ def describe(
     elif kb.scene.views:
         view = kb.scene.views[0].id
     places = Places(kb, view, timeout)
-    writer = _Writer(places, names(view))
+    writer = _Writer(places, names(view), about)
     groups = _of_scene(places) if about is None else _of_thing(places, about)
     sentences, mentioned, listed = [], set(places.surfaces), set[frozenset[str]]()
     for group in groups[:most]:
@@ -254,7 +264,8 @@ def _helps(places: Places, own: Place, aside: Place) -> bool:
 class _Writer:
     """Writes groups as sentences."""
 
-    def __init__(self, places: Places, names: Mapping[str, str]) -> None:
+    def __init__(self, places: Places, names: Mapping[str, str], about: str | None) -> None:
+        self._about = about
         self._names = {thing: short(name) for thing, name in names.items()}
         self._labels = {thing.id: short(thing.label) for thing in places.kb.scene.objects}
         self._views = {view.id: view.label or view.id for view in places.kb.scene.views}
@@ -285,7 +296,7 @@ class _Writer:
         for place in group:
             label = self._labels[place.figure]
             if not label or counts[label] == 1:
-                parts.append((called(self._names, self._labels, place.figure, place.ground), 1))
+                parts.append((self._called(place), 1))
             elif counts[label]:
                 parts.append((f"{number(counts[label])} {plural(label)}", counts[label]))
                 counts[label] = 0
@@ -294,6 +305,13 @@ class _Writer:
         if rest:
             texts.append(f"{number(rest)} more {'thing' if rest == 1 else 'things'}")
         return joined(texts)
+
+    def _called(self, place: Place) -> str:
+        """Return what the figure of a place is called: an id says nothing to people who only want to know."""
+        label, name = self._labels[place.figure], self._names[place.figure]
+        if label and place.figure != self._about and name == short(f"the {label} ({place.figure})"):
+            return indefinite(label)
+        return called(self._names, self._labels, place.figure, place.ground)
 
 
 def _verb(place: Place, several: bool) -> str:

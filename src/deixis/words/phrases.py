@@ -137,5 +137,16 @@ def called(names: Mapping[str, str], labels: Mapping[str, str], thing: str, grou
     """
     label = labels[thing]
     if label and names[thing].startswith(f"the {label} ") and names[thing].endswith(f" {names[ground]}"):
-        return label if is_plural(label) else f"{'an' if label[:1].casefold() in 'aeiou' else 'a'} {label}"
+        return indefinite(label)
     return names[thing]
+
+
+def indefinite(label: str) -> str:
+    """Return a noun with its indefinite article, if it takes one.
+
+    Examples
+    --------
+    >>> indefinite("apple"), indefinite("cup"), indefinite("scissors")
+    ('an apple', 'a cup', 'scissors')
+    """
+    return label if is_plural(label) else f"{'an' if label[:1].casefold() in 'aeiou' else 'a'} {label}"
