@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from deixis.inspection import Inspection
     from deixis.living import Known, Living
     from deixis.updates import Changes, Update
+    from deixis.words import Description, Reply
 
 
 class KnowledgeBase(Explaining):
@@ -237,6 +238,87 @@ class KnowledgeBase(Explaining):
         with self.what_if(moves) as then:
             before, after = self.relations(timeout=timeout), then.relations(timeout=timeout)
             return compared(before, after, partial(then.why, timeout=timeout), limit)
+
+    def describe(
+        self,
+        *,
+        about: str | None = None,
+        view: str | None = None,
+        most: int = 6,
+        timeout: float = 60.0,
+    ) -> Description:
+        """Return the scene, or one thing of it, in a few sentences, with the relations each rests on.
+
+        Parameters
+        ----------
+        about : str, optional
+            Id of the one thing to speak of.
+        view : str, optional
+            Whose left and right; by default the first view's.
+        most : int
+            Sentences.
+        timeout : float
+            Seconds, for each engine.
+
+        Raises
+        ------
+        QueryError
+            Unknown thing or view.
+        QueryTimeout
+            It took longer than ``timeout`` seconds.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     print(kb.describe(about="sweater").text())
+        The sweater is on the electric heater.
+        """
+        from deixis.words import describe
+
+        names = partial(self._called, timeout=timeout)
+        return describe(self, names, about=about, view=view, most=most, timeout=timeout)
+
+    def say(self, question: str, *, view: str | None = None, timeout: float = 60.0) -> Reply:
+        """Return the answer to a question in plain English, such as ``what is on the table?``.
+
+        Parameters
+        ----------
+        question : str
+            One of the kinds in :data:`deixis.words.questions.PATTERNS`.
+        view : str, optional
+            Whose left and right, where the question does not say; by default the first view's.
+        timeout : float
+            Seconds, for each engine.
+
+        Raises
+        ------
+        QueryError
+            The question is none of the known kinds, or names what is not there.
+        QueryTimeout
+            It took longer than ``timeout`` seconds.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     print(kb.say("What is on the heater?").text)
+        The sweater is on the electric heater.
+        """
+        from deixis.words import say
+
+        names = partial(self._called, timeout=timeout)
+        why, why_not = partial(self.why, timeout=timeout), partial(self.why_not, timeout=timeout)
+        return say(self, question, names, why, why_not, view=view, timeout=timeout)
+
+    def _called(self, view: str | None, timeout: float) -> Mapping[str, str]:
+        """Return what each thing is called in English; Prolog is asked only where a label does not tell."""
+        from deixis.words.nouns import plain_names
+
+        plain = plain_names(self.scene)
+        if self.language != "en" or len(set(plain.values())) == len(plain):
+            return plain
+        return self.names(view=view, timeout=timeout)
 
 
 def _relation(known: tuple[Known, float]) -> Relation:
