@@ -43,7 +43,7 @@ lint: .venv/.dev ## style, types, layers
 rules: .venv/.dev ## load every rule file without a warning and run its PlUnit tests
 	swipl --on-error=status --on-warning=status -p deixis=rules -g main tests/rules/run.pl
 
-page: .venv/.runtime ## the query page of `deixis serve` (npm)
+page: .venv/.runtime ## the pages of `deixis view` and `deixis serve` (npm)
 	@sh .ci/page.sh
 
 wheel: .venv/.dev page ## dist/: the source archive and the wheel
@@ -54,7 +54,7 @@ lock: ## pin the requirements anew (needs uv)
 	$(LOCK) --group dev --constraint requirements.txt --output-file requirements-dev.txt
 
 clean: ## remove all that make made, .venv included
-	rm -rf .venv build dist src/deixis/server/page/vendor .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv build dist src/deixis/*/page/vendor .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find src tests -name __pycache__ -prune -exec rm -rf {} +
 
 .venv/.runtime: pyproject.toml requirements.txt .ci/setup.sh

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from deixis.errors import QueryError
 from deixis.frames import WORLD
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from deixis.engines import Engine
     from deixis.explain import Answer, Proof, Refusal
     from deixis.inspection import Inspection
+
+MOST_IN_A_NOTEBOOK: Final = 200
+"""Things of a scene that a notebook shows unasked; `deixis view` shows any."""
 
 
 class KnowledgeBase(Inference):
@@ -166,6 +169,58 @@ class KnowledgeBase(Inference):
         after = KnowledgeBase(moved(self.scene, moves), rules=self._rules, region=self.region)
         after.facts = reground(self.scene, self.facts, after.scene)
         return after
+
+    def page(self, *, timeout: float = 300.0) -> str:
+        """Return a page, one file of HTML, that shows the scene, its relations and their reasons.
+
+        It needs nothing else: no server and no network.
+
+        Raises
+        ------
+        MissingDependency
+            The script of the page is not part of this installation.
+        QueryTimeout
+            The proofs of all relations took longer than ``timeout`` seconds.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> from deixis.view import available
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     "leans on the wall" in kb.page() if available() else True
+        True
+        """
+        from deixis.view import page_html
+
+        return page_html(f"{self.scene.id}: Deixis", *self.page_data(timeout=timeout))
+
+    def page_data(self, *, timeout: float = 300.0) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the data of the page: what it needs at once, and what it needs when something is selected."""
+        from deixis.view import Shown, page_data
+
+        names = [term.name for term in RELATIONS]
+        if self._rules:
+            kinds = self.ruleset.kinds
+            own = [one for one in sorted(self.ruleset.user) if one[1] in (2, 3)]
+            odd = {name for name, arity in own if set(kinds[name, arity]) != {"name"}}
+            names += dict.fromkeys(name for name, _ in own if name not in odd)
+        # The margin of a relation is that of its widest proof, which need not be the shortest.
+        margins = {
+            (one.relation, one.figure, one.reference, *([] if one.view is None else [one.view])): one.margin
+            for one in self.relations(relation=names, timeout=timeout)
+        }
+        proofs = self.proofs(relation=names, timeout=timeout)
+        return page_data(
+            self.scene, self.facts, (Shown(proof, margins[key]) for key, proof in proofs.items())
+        )
+
+    def _repr_html_(self) -> str | None:
+        """Return the page in a frame of its own, for notebooks; None where it is not there, or too large."""
+        from deixis.view import available, framed
+
+        if not available() or len(self.scene.objects) > MOST_IN_A_NOTEBOOK:
+            return None
+        return framed(self.page())
 
     def proofs(
         self, *, relation: Iterable[str] | None = None, timeout: float = 300.0

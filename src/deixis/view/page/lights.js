@@ -1,0 +1,98 @@
+// What lights up: two things, the points nearest to each other, spaces and their faces, turned boxes.
+import {
+  BufferAttribute, BufferGeometry, DoubleSide, Group, LineBasicMaterial, LineDashedMaterial, LineSegments, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, SphereGeometry, Vector3,
+} from "three";
+import { CUBE, edgesOf, placed, spaceBoxes } from "./shapes.js";
+
+const ABOVE_ALL = 10;
+
+function lit(thing, colour) {
+  const matrix = placed(thing.center, thing.half, thing.yaw);
+  const group = new Group();
+  const material = new MeshLambertMaterial({
+    color: colour, emissive: colour, emissiveIntensity: 0.25, transparent: true, opacity: thing.surface ? 0.3 : 0.82,
+    side: DoubleSide, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2,
+  });
+  const body = new Mesh(CUBE, material);
+  body.applyMatrix4(matrix);
+  const edges = new LineSegments(edgesOf([matrix]), new LineBasicMaterial({ color: colour, depthTest: false }));
+  edges.renderOrder = ABOVE_ALL;
+  group.add(body, edges);
+  return group;
+}
+
+function segment(ends, colour) {
+  const [from, to] = [new Vector3().fromArray(ends), new Vector3().fromArray(ends, 3)];
+  const group = new Group();
+  const positions = new BufferAttribute(new Float32Array(ends), 3);
+  const line = new LineSegments(
+    new BufferGeometry().setAttribute("position", positions), new LineBasicMaterial({ color: colour, depthTest: false }),
+  );
+  group.add(line);
+  group.add(dot(from, colour), dot(to, colour));
+  for (const one of group.children) one.renderOrder = ABOVE_ALL + 1;
+  return group;
+}
+
+function dot(point, colour) {
+  const ball = new Mesh(new SphereGeometry(0.018, 12, 8), new MeshBasicMaterial({ color: colour, depthTest: false }));
+  ball.position.copy(point);
+  return ball;
+}
+
+/** The plane that decides, and how far the point that decides is from it. */
+function decisive({ point, normal, witness }, reference, colour) {
+  const [foot, way, end] = [point, normal, witness].map((one) => new Vector3(...one));
+  const group = new Group();
+  const material = new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.3, depthWrite: false, side: DoubleSide });
+  const wide = Math.min(1.5, Math.max(0.25, 1.2 * Math.max(...reference.half)));
+  const plane = new Mesh(new PlaneGeometry(2 * wide, 2 * wide), material);
+  plane.position.copy(foot);
+  plane.lookAt(foot.clone().add(way));
+  group.add(plane, segment([...foot.toArray(), ...end.toArray()], colour));
+  return group;
+}
+
+function space({ volume, face }, colour) {
+  const group = new Group();
+  for (const [matrix, opacity] of [[volume, 0.14], [face, 0.45]]) {
+    const material = new MeshBasicMaterial({ color: colour, transparent: true, opacity, depthWrite: false, side: DoubleSide });
+    const body = new Mesh(CUBE, material);
+    body.applyMatrix4(matrix);
+    group.add(body);
+  }
+  const edges = new LineBasicMaterial({ color: colour, transparent: true, opacity: 0.6 });
+  group.add(new LineSegments(edgesOf([volume]), edges));
+  return group;
+}
+
+function dashed(matrix, colour) {
+  const lines = new LineSegments(
+    edgesOf([matrix]), new LineDashedMaterial({ color: colour, dashSize: 0.06, gapSize: 0.04, depthTest: false }),
+  );
+  lines.computeLineDistances();
+  lines.renderOrder = ABOVE_ALL;
+  return lines;
+}
+
+/** The group of what lights up. */
+export function litUp(marks, model, colours) {
+  const group = new Group();
+  const { things, frames } = model;
+  if (marks.reference !== null) group.add(lit(things[marks.reference], colours.reference));
+  if (marks.figure !== null) group.add(lit(things[marks.figure], colours.figure));
+  for (const one of marks.others) group.add(lit(things[one], colours.other));
+  for (const ends of marks.spans) group.add(segment(ends, colours.span));
+  for (const { thing, axis, frame, plane } of marks.spaces) {
+    // Above and below are the same for all views.
+    const boxes = spaceBoxes(things[thing], frames[axis[0] === "Z" ? 0 : frame]?.[thing] ?? null, axis);
+    if (boxes) group.add(space(boxes, colours.space));
+    if (plane) group.add(decisive(plane, things[thing], colours.span));
+  }
+  for (const { thing, frame } of marks.turned) {
+    const row = frames[frame]?.[thing];
+    if (row) group.add(dashed(placed(things[thing].center, row.slice(0, 3), row[3]), colours.turned));
+  }
+  return group;
+}

@@ -1,0 +1,223 @@
+// The scene in three dimensions: things, surfaces, views, and what lights up. Drawn only when something changed.
+import {
+  AmbientLight, Color, DirectionalLight, DoubleSide, Group, InstancedMesh, LineBasicMaterial, LineSegments, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Points, PointsMaterial, Raycaster, Scene, Sphere, Vector2,
+  Vector3, WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Labels } from "./labels.js";
+import { litUp } from "./lights.js";
+import { CUBE, edgesOf, meshGeometry, placed, pointGeometry, ringGeometry } from "./shapes.js";
+import { viewMarker } from "./viewer.js";
+
+const CLICK = 5; // pixels a pointer may move between down and up
+
+export class Picture {
+  constructor(host, model, pick) {
+    this.host = host;
+    this.model = model;
+    this.pick = pick;
+    this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.canvas = this.renderer.domElement;
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "The scene in 3D. Arrow keys turn it, plus and minus come nearer or go away.");
+    host.prepend(this.canvas);
+    this.world = new Scene();
+    this.camera = new PerspectiveCamera(45, 1, 0.01, 1000);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.addEventListener("change", () => this.draw());
+    this.labels = new Labels(host, model);
+    this.fixed = new Group();
+    this.marks = null;
+    this.world.add(this.fixed);
+    this.waiting = false;
+    this.drawn = 0;
+    this.listen();
+    new ResizeObserver(() => this.fit()).observe(host);
+  }
+
+  listen() {
+    let down = null;
+    this.canvas.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; });
+    this.canvas.addEventListener("pointerup", (event) => {
+      if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK) this.pick(this.under(event));
+      down = null;
+    });
+    this.canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons) return;
+      const found = this.under(event);
+      this.canvas.classList.toggle("over", found !== null);
+      if (this.labels.hover(found)) this.draw();
+    });
+    const turns = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
+    this.canvas.addEventListener("keydown", (event) => {
+      if (turns[event.key]) this.turn(...turns[event.key], 1);
+      else if (event.key === "+" || event.key === "=") this.turn(0, 0, 0.85);
+      else if (event.key === "-") this.turn(0, 0, 1.18);
+      else return;
+      event.preventDefault();
+    });
+  }
+
+  /** Build what is there whatever is selected; `shapes` may come later. */
+  build(colours, shapes) {
+    this.world.background = new Color(colours.back);
+    for (const one of this.fixed.children) if (one.geometry && one.geometry !== CUBE) one.geometry.dispose();
+    this.fixed.clear();
+    const sun = new DirectionalLight(0xffffff, 1.6);
+    sun.position.set(0.6, -0.8, 1.5);
+    this.fixed.add(sun, new AmbientLight(0xffffff, 1.7));
+    const { things } = this.model;
+    const shaped = (one) => shapes?.[one.index] ?? null;
+    const boxes = things.filter((one) => !one.surface && !shaped(one));
+    this.solid = new MeshLambertMaterial({ color: colours.thing, transparent: true });
+    this.targets = [this.filled(boxes, this.solid)];
+    const surfaces = new MeshLambertMaterial({
+      color: colours.surface, side: DoubleSide, transparent: true, opacity: 0.55, depthWrite: false,
+    });
+    const ghost = new MeshBasicMaterial({ transparent: true, opacity: 0, depthWrite: false });
+    for (const thing of things) {
+      const shape = shaped(thing);
+      if (thing.surface) {
+        const flat = shape?.ring ? new Mesh(ringGeometry(shape), surfaces) : this.boxed(thing, surfaces);
+        flat.userData.thing = thing.index;
+        this.fixed.add(flat);
+        this.targets.push(flat);
+      } else if (shape) {
+        const drawn = shape.vertices
+          ? new Mesh(meshGeometry(shape), new MeshLambertMaterial({ color: colours.thing, side: DoubleSide }))
+          : new Points(pointGeometry(shape), new PointsMaterial({ color: colours.line, size: 2, sizeAttenuation: false }));
+        const around = this.boxed(thing, ghost);
+        around.userData.thing = thing.index;
+        this.fixed.add(drawn, around);
+        this.targets.push(around);
+      }
+    }
+    const matrices = things.map((one) => placed(one.center, one.half, one.yaw));
+    const lines = new LineBasicMaterial({ color: colours.line, transparent: true, opacity: 0.75 });
+    this.fixed.add(new LineSegments(edgesOf(matrices), lines));
+    this.colours = colours;
+    this.stand(this.view ?? 0);
+  }
+
+  filled(things, material) {
+    const mesh = new InstancedMesh(CUBE, material, things.length);
+    things.forEach((one, at) => mesh.setMatrixAt(at, placed(one.center, one.half, one.yaw)));
+    mesh.userData.things = things.map((one) => one.index);
+    this.fixed.add(mesh);
+    return mesh;
+  }
+
+  boxed(thing, material) {
+    const mesh = new Mesh(CUBE, material);
+    mesh.applyMatrix4(placed(thing.center, thing.half, thing.yaw));
+    return mesh;
+  }
+
+  /** Show from where the current view looks. */
+  stand(view) {
+    this.view = view;
+    if (this.markers) this.world.remove(this.markers);
+    this.markers = new Group();
+    const size = Math.min(0.25, 0.06 * this.around().radius);
+    for (const one of this.model.views) this.markers.add(viewMarker(one, one.index === view, size, this.colours.view));
+    this.world.add(this.markers);
+    this.labels.stand(view);
+    this.draw();
+  }
+
+  /** Light up what a step or a thing is about. */
+  light(marks) {
+    if (this.marks) {
+      this.marks.traverse((one) => { if (one.geometry && one.geometry !== CUBE) one.geometry.dispose(); });
+      this.world.remove(this.marks);
+    }
+    this.marks = litUp(marks, this.model, this.colours);
+    this.world.add(this.marks);
+    this.solid.opacity = marks.figure === null ? 1 : 0.32;
+    this.solid.depthWrite = marks.figure === null;
+    this.labels.light(marks);
+    this.draw();
+  }
+
+  around() {
+    const sphere = new Sphere();
+    const corners = this.model.things.flatMap(({ center, half }) => [-1, 1].map(
+      (side) => new Vector3(...center.map((one, axis) => one + side * half[axis])),
+    ));
+    if (corners.length === 0) return new Sphere(new Vector3(), 1);
+    return sphere.setFromPoints(corners);
+  }
+
+  /** Look at everything, from behind the current view and above it. */
+  overview() {
+    const { center, radius } = this.around();
+    const view = this.model.views[this.view ?? 0];
+    const way = view ? new Vector3(...view.position).sub(center).setZ(0) : new Vector3(-1, -1, 0);
+    if (way.length() < 1e-3) way.set(-1, -1, 0);
+    way.normalize().applyAxisAngle(new Vector3(0, 0, 1), 0.35).setZ(0.62).normalize();
+    const narrow = Math.min(this.camera.aspect, 1.2) / 1.2;
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).addScaledVector(way, (2.1 * radius) / narrow);
+    this.controls.update();
+    this.draw();
+  }
+
+  /** Look as the current view does. */
+  lookFrom() {
+    const view = this.model.views[this.view];
+    const ahead = new Vector3(Math.cos(view.heading), Math.sin(view.heading), -0.12);
+    this.camera.position.set(...view.position);
+    this.controls.target.copy(this.camera.position).addScaledVector(ahead, 1.5);
+    this.controls.update();
+    this.draw();
+  }
+
+  turn(around, over, away) {
+    const arm = this.camera.position.clone().sub(this.controls.target).multiplyScalar(away);
+    arm.applyAxisAngle(this.camera.up, around);
+    const side = new Vector3().crossVectors(this.camera.up, arm).normalize();
+    const tilted = arm.clone().applyAxisAngle(side, over);
+    const steep = tilted.angleTo(this.camera.up);
+    this.camera.position.copy(this.controls.target).add(steep > 0.1 && steep < 3 ? tilted : arm);
+    this.controls.update();
+    this.draw();
+  }
+
+  under(event) {
+    const area = this.canvas.getBoundingClientRect();
+    const at = new Vector2(
+      (2 * (event.clientX - area.left)) / area.width - 1, 1 - (2 * (event.clientY - area.top)) / area.height,
+    );
+    const ray = new Raycaster();
+    ray.setFromCamera(at, this.camera);
+    const hits = ray.intersectObjects(this.targets, false).map(
+      ({ object, instanceId }) => object.userData.things?.[instanceId] ?? object.userData.thing,
+    );
+    // A wall stands before what it is behind of as well: a thing wins over a surface.
+    return hits.find((one) => !this.model.things[one].surface) ?? hits[0] ?? null;
+  }
+
+  fit() {
+    const { clientWidth: wide, clientHeight: tall } = this.host;
+    if (!wide || !tall) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(wide, tall);
+    this.camera.aspect = wide / tall;
+    this.camera.updateProjectionMatrix();
+    this.draw();
+  }
+
+  draw() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.renderer.render(this.world, this.camera);
+      this.labels.place(this.camera, this.host.clientWidth, this.host.clientHeight);
+      this.drawn += 1;
+    });
+  }
+}
