@@ -16,7 +16,7 @@ import pytest
 
 from commands import run
 from deixis import Scene
-from deixis.cli import questions  # noqa: F401 - adds its commands
+from deixis.cli import questions, view  # noqa: F401 - these add their commands
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from endpoint import serving

@@ -195,7 +195,7 @@ class KnowledgeBase(Inference):
         return page_html(f"{self.scene.id}: Deixis", *self.page_data(timeout=timeout))
 
     def page_data(self, *, timeout: float = 300.0) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the data of the page: what it needs at once, and what it needs when something is selected."""
+        """Return the data of the page: what it needs at once, and what when something is selected."""
         from deixis.view import Shown, page_data
 
         names = [term.name for term in RELATIONS]

@@ -43,8 +43,8 @@ def main() -> int:
 
 def _run(stdout: TextIO) -> int:
     """Run one command to the last byte of its output; return its exit code."""
-    # The second adds its commands to those of the first.
-    from deixis.cli import questions  # noqa: F401
+    # These add their commands to those of the next.
+    from deixis.cli import questions, view  # noqa: F401
     from deixis.cli.commands import app
 
     code: object = 0

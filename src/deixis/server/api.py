@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request, Response
+from fastapi.responses import HTMLResponse
 from pydantic import BaseModel, Field
 
+from deixis.errors import MissingDependency
 from deixis.server import incoming
 from deixis.server.dataset import Dataset
 from deixis.server.problems import Problem
 from deixis.server.settings import Settings
+from deixis.view import policy_of
 
 MOST_A_PAGE = 10_000
 """Relations or answers on one page."""
@@ -180,6 +183,16 @@ def api(dataset: Dataset, settings: Settings) -> APIRouter:
     async def why(scene: str, goal: Annotated[str, Query(max_length=4096)]) -> dict[str, Any]:
         """Return the proof of a relation, as `leans_on(ladder, wall)`, or how far it is from holding."""
         return await dataset.reason(scene, "why", {"goal": goal, "timeout": settings.limits.timeout})
+
+    @router.get("/{scene}/view", response_class=HTMLResponse)
+    async def view(scene: str) -> HTMLResponse:
+        """Return a page that shows the scene, its relations and their reasons, for people."""
+        try:
+            policy = policy_of()
+        except MissingDependency as error:
+            raise Problem(404, str(error)) from error
+        headers = {"Content-Security-Policy": f"{policy}; frame-ancestors 'none'"}
+        return HTMLResponse(await dataset.page(scene), headers=headers)
 
     return router
 

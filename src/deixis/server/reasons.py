@@ -32,6 +32,7 @@ class Reasons:
     def __init__(self) -> None:
         self._kb: KnowledgeBase | None = None
         self._known: dict[tuple[str, ...] | None, tuple[Relation, ...]] = {}
+        self._page: bytes | None = None
 
     @property
     def kb(self) -> KnowledgeBase:
@@ -51,7 +52,7 @@ class Reasons:
         from deixis.errors import SceneError
 
         scene = Scene.from_dict(parse(text, SceneError, _EXPORTED))
-        self._kb, self._known = KnowledgeBase(scene), {}
+        self._kb, self._known, self._page = KnowledgeBase(scene), {}, None
         told: dict[str, Any] = {
             "id": scene.id,
             "objects": len(scene.objects),
@@ -132,6 +133,12 @@ class Reasons:
     def ask(self, *, goal: str, limit: int, timeout: float) -> dict[str, Any]:
         """Return the bindings for which a goal of the rules' subset holds, on DuckDB."""
         return answers(self.kb, goal, limit, timeout)
+
+    def page(self, *, timeout: float) -> bytes:
+        """Return the page that shows the scene; made once."""
+        if self._page is None:
+            self._page = self.kb.page(timeout=timeout).encode()
+        return self._page
 
     def why(self, *, goal: str, timeout: float) -> dict[str, Any]:
         """Return the proof of a relation, or how far it is from holding."""

@@ -75,6 +75,10 @@ class Work:
         """Explain a relation."""
         return self._reasons.why(**header["with"]), b""
 
+    def view(self, header: Mapping[str, Any], _: bytes) -> Reply:
+        """Show the scene."""
+        return {}, self._reasons.page(**header["with"])
+
 
 def main(descriptor: int) -> None:
     """Run as the first child."""

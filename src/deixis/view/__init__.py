@@ -5,6 +5,6 @@
 """
 
 from deixis.view.content import Shown, page_data
-from deixis.view.html import available, framed, page_html, policy_of
+from deixis.view.html import available, framed, page_html, policy_of, ready
 
-__all__ = ["Shown", "available", "framed", "page_data", "page_html", "policy_of"]
+__all__ = ["Shown", "available", "framed", "page_data", "page_html", "policy_of", "ready"]

@@ -18,6 +18,7 @@ from deixis.view.reasons import Reasons
 from deixis.view.seen import planes_of, segments_of, short
 from deixis.view.shapes import shapes
 
+
 @dataclass(frozen=True, slots=True)
 class Shown:
     """A relation on the page: its proof, and the margin it holds by, which other proofs may widen."""

@@ -29,6 +29,14 @@ def available() -> bool:
     return (_BUNDLE / "view.js").is_file()
 
 
+def ready() -> None:
+    """Raise :class:`MissingDependency` unless the script of the page is here."""
+    if not available():
+        raise MissingDependency(
+            "the page's script is not part of this installation: in a checkout, `make page` adds it"
+        )
+
+
 def page_html(title: str, now: Mapping[str, Any], later: Mapping[str, Any]) -> str:
     """Return the page with its data.
 
@@ -88,12 +96,12 @@ def policy_of() -> str:
 
 
 def packed(data: Mapping[str, Any]) -> str:
-    """Return data as the text of a script element: JSON, or a JSON string of it deflated, in base 64.
+    r"""Return data as the text of a script element: JSON, or a JSON string of it deflated, in base 64.
 
     Examples
     --------
     >>> packed({"label": "</script>"})
-    '{"label":"\\\\u003c/script>"}'
+    '{"label":"\\u003c/script>"}'
     """
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     if len(text) > PLAIN:
@@ -106,10 +114,7 @@ def packed(data: Mapping[str, Any]) -> str:
 @cache
 def _parts() -> tuple[str, str, str]:
     """Return script, style and licences."""
-    if not available():
-        raise MissingDependency(
-            "the page's script is not part of this installation: in a checkout, `make page` adds it"
-        )
+    ready()
     script = (_BUNDLE / "view.js").read_text(encoding="utf-8")
     # A script that says so itself would end its own element; esbuild writes it as <\/script.
     if "</script" in script.lower() or "<!--" in script:

@@ -10,8 +10,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from deixis.boxes import Boxes, align_with_world, contextualise
 from deixis.bounds import BOUNDS, planes
+from deixis.boxes import Boxes, align_with_world, contextualise
 from deixis.facts import Facts
 from deixis.frames import AXES, WORLD, Array, Index
 from deixis.scene import Scene
@@ -47,8 +47,8 @@ def planes_of(
     Returns
     -------
     dict
-        By positions, axis and number of the frame ("3 0 Z+ 0", the world's being 0): a point of the plane, its
-        normal, the figure's point that decides, and which bound it is.
+        By positions, axis and number of the frame ("3 0 Z+ 0", the world's being 0): a point of the plane,
+        its normal, the figure's point that decides, and which bound it is.
     """
     boxed = _boxed(facts)
     frames = {WORLD: 0} | {view.id: number for number, view in enumerate(scene.views, 1)}

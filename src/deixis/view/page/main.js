@@ -70,6 +70,7 @@ class Page {
     for (const name of ["unsure", "all"]) at(name).addEventListener("change", (event) => store.set({ [name]: event.target.checked, ...(name === "all" ? { path: "" } : {}) }));
     for (const name of ["turned", "spaces"]) at(name).addEventListener("click", () => store.set({ [name]: !store.now[name] }));
     at("look").addEventListener("click", () => this.picture?.lookFrom());
+    at("closer").addEventListener("click", () => this.picture?.closer());
     at("overview").addEventListener("click", () => this.picture?.overview());
     at("theme").addEventListener("click", () => store.set({ theme: themeOf(store.now) === "dark" ? "light" : "dark" }));
     at("about").addEventListener("click", () => at("licences").showModal());

@@ -10,6 +10,7 @@ import { litUp } from "./lights.js";
 import { CUBE, edgesOf, meshGeometry, placed, pointGeometry, ringGeometry } from "./shapes.js";
 import { viewMarker } from "./viewer.js";
 
+const CORNERS = [0, 1, 2, 3, 4, 5, 6, 7].map((at) => new Vector3((at & 1) - 0.5, ((at >> 1) & 1) - 0.5, (at >> 2) - 0.5));
 const CLICK = 5; // pixels a pointer may move between down and up
 
 export class Picture {
@@ -32,6 +33,7 @@ export class Picture {
     this.fixed = new Group();
     this.marks = null;
     this.world.add(this.fixed);
+    this.lit = [];
     this.waiting = false;
     this.drawn = 0;
     this.listen();
@@ -136,31 +138,53 @@ export class Picture {
     }
     this.marks = litUp(marks, this.model, this.colours);
     this.world.add(this.marks);
+    this.lit = [marks.figure, marks.reference, ...marks.others].filter((one) => one !== null);
     this.solid.opacity = marks.figure === null ? 1 : 0.32;
     this.solid.depthWrite = marks.figure === null;
     this.labels.light(marks);
     this.draw();
   }
 
-  around() {
-    const sphere = new Sphere();
-    const corners = this.model.things.flatMap(({ center, half }) => [-1, 1].map(
-      (side) => new Vector3(...center.map((one, axis) => one + side * half[axis])),
-    ));
-    if (corners.length === 0) return new Sphere(new Vector3(), 1);
-    return sphere.setFromPoints(corners);
+  /** The corners of things, or of all. */
+  corners(things = this.model.things) {
+    return things.flatMap(({ center, half, yaw }) => {
+      const matrix = placed(center, half, yaw);
+      return CORNERS.map((one) => one.clone().applyMatrix4(matrix));
+    });
+  }
+
+  around(corners = this.corners()) {
+    return corners.length === 0 ? new Sphere(new Vector3(), 1) : new Sphere().setFromPoints(corners);
   }
 
   /** Look at everything, from behind the current view and above it. */
   overview() {
-    const { center, radius } = this.around();
+    const { center } = this.around();
     const view = this.model.views[this.view ?? 0];
     const way = view ? new Vector3(...view.position).sub(center).setZ(0) : new Vector3(-1, -1, 0);
     if (way.length() < 1e-3) way.set(-1, -1, 0);
-    way.normalize().applyAxisAngle(new Vector3(0, 0, 1), 0.35).setZ(0.62).normalize();
-    const narrow = Math.min(this.camera.aspect, 1.2) / 1.2;
+    way.normalize().applyAxisAngle(this.camera.up, 0.35).setZ(0.62).normalize();
+    this.show(this.corners(), way);
+  }
+
+  /** Come as near to what is lit up as it fits, looking the same way as now. */
+  closer() {
+    const things = this.lit.map((one) => this.model.things[one]);
+    const way = this.camera.position.clone().sub(this.controls.target).normalize();
+    if (things.length) this.show(this.corners(things), way);
+  }
+
+  /** Go back from points, some way, until all of them are in sight. */
+  show(corners, way) {
+    const { center, radius } = this.around(corners);
     this.controls.target.copy(center);
-    this.camera.position.copy(center).addScaledVector(way, (2.1 * radius) / narrow);
+    const seen = new Vector3();
+    for (let far = 0.6 * radius + 0.2; far < 60 * radius + 1; far *= 1.06) {
+      this.camera.position.copy(center).addScaledVector(way, far);
+      this.camera.lookAt(center);
+      this.camera.updateMatrixWorld();
+      if (corners.every((one) => Math.max(Math.abs(seen.copy(one).project(this.camera).x), Math.abs(seen.y)) < 0.86 && seen.z < 1)) break;
+    }
     this.controls.update();
     this.draw();
   }
