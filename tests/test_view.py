@@ -28,7 +28,7 @@ from scenes import box, floor, scene
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ROOT / "kb" / "scenes"
 PAGE = ROOT / "src" / "deixis" / "view" / "page"
-HOSTILE = "</script><script>alert(1)</script>'); halt.<!--\u2028{{now}}"
+HOSTILE = "</script><script>alert(1)</script>'); halt.<!--{{now}}"
 
 built = pytest.mark.skipif(not available(), reason="the page is not built: make page")
 
@@ -68,8 +68,6 @@ def test_every_proof_is_there_whole(kb: KnowledgeBase) -> None:
     names = {row[0] for row in now["relations"]}
     proofs = kb.proofs(relation=names)
     assert len(now["relations"]) == len(proofs) > 40
-    for (key, proof), row in zip(proofs.items(), now["relations"], strict=False):
-        assert proof_of(later, row[4]) == kb.proofs(relation=[row[0]])[key] if row[0] != key[0] else proof
     for row in now["relations"]:
         found = proof_of(later, row[4])
         assert proofs[found.predicate, *map(str, found.args)] == found
@@ -149,8 +147,9 @@ def test_large_data_are_deflated() -> None:
     data = {"words": ["wall " * PLAIN, HOSTILE]}
     assert len(packed(data)) < PLAIN
     assert unpacked(packed(data)) == data
-    assert "<" not in packed({"label": HOSTILE})
-    assert unpacked(packed({"label": HOSTILE})) == {"label": HOSTILE}
+    label = {"label": HOSTILE + "\u2028\u2029"}
+    assert unpacked(packed(label)) == label
+    assert not set("<\u2028\u2029") & set(packed(label))
 
 
 @built
@@ -189,7 +188,6 @@ def test_hostile_words_stay_words(tmp_path: Path) -> None:
     assert page.count("<script") == 3
     assert page.count("</script>") == 3
     assert "alert(1)</" not in page
-    assert "\u2028" not in page
 
 
 def test_without_the_bundle_it_says_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

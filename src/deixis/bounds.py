@@ -232,7 +232,10 @@ def _common_height(there: measures.Placement, half_a: Array, half_b: Array) -> A
 
 
 def _support(there: measures.Placement, half_a: Array, way: Array) -> Array:
-    """Return the figures' points farthest along level directions, (k, 3); of a side square to it its middle."""
+    """Return the figures' points farthest along level directions, (k, 3).
+
+    Of a side square to the direction it is the middle.
+    """
     along = way[:, 0] * there.cos + way[:, 1] * there.sin
     across = way[:, 1] * there.cos - way[:, 0] * there.sin
     x = np.where(np.abs(along) > _STRAIGHT, np.copysign(half_a[:, 0], along), 0.0)

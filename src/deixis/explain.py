@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from deixis.evidence import Evidence
 from deixis.facts import SolidModel
+from deixis.render import Shown
+from deixis.render.html import Part
 from deixis.thresholds import SNAP_DECIMALS
 
 Kind = Literal["rule", "fact", "comparison", "negation", "conjunction"]
@@ -29,7 +32,7 @@ class Rule:
 
 
 @dataclass(frozen=True, slots=True)
-class Proof:
+class Proof(Shown):
     """One step of a proof and the reasons it rests on.
 
     Attributes
@@ -52,6 +55,8 @@ class Proof:
         Whether a person needs this step; the outline leaves out the others.
     children : tuple of Proof
         The reasons; of a negation, what came closest to refuting it.
+    evidence : Evidence or None
+        What a leaf rests on, once :meth:`deixis.knowledge.KnowledgeBase.evidence` has gathered it.
     """
 
     kind: Kind
@@ -63,6 +68,7 @@ class Proof:
     rule: Rule | None
     shown: bool
     children: tuple[Proof, ...]
+    evidence: Evidence | None = None
 
     @classmethod
     def from_dict(cls, node: Mapping[str, Any]) -> Proof:
@@ -82,7 +88,22 @@ class Proof:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the proof as nested dicts, ready for JSON."""
-        return asdict(self)
+        return {
+            "kind": self.kind,
+            "predicate": self.predicate,
+            "args": list(self.args),
+            "text": self.text,
+            "margin": self.margin,
+            "axiom": self.axiom,
+            "rule": None if self.rule is None else {"file": self.rule.file, "line": self.rule.line},
+            "shown": self.shown,
+            "evidence": None if self.evidence is None else self.evidence.to_dict(),
+            "children": [child.to_dict() for child in self.children],
+        }
+
+    def parts(self) -> list[Part]:
+        """Return the conclusion in a sentence, with the proof below it."""
+        return [(self.sentence(), [self])]
 
     def rule_place(self) -> str:
         """Return file and line of the rule, or the predicate where there is no rule."""
@@ -131,7 +152,7 @@ class Proof:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class Answer(Shown):
     """The answer to a question for reasons.
 
     Attributes
@@ -167,6 +188,12 @@ class Answer:
     def __bool__(self) -> bool:
         return self.proof is not None
 
+    def parts(self) -> list[Part]:
+        """Return the answer in a sentence, with the proof or what comes closest below it."""
+        if self.proof is not None:
+            return self.proof.parts()
+        return [(f"No: {self.text}.", [] if self.nearest is None else [self.nearest])]
+
     def to_dict(self) -> dict[str, Any]:
         """Return the answer as nested dicts, ready for JSON."""
         return {
@@ -195,7 +222,7 @@ class Miss:
 
 
 @dataclass(frozen=True, slots=True)
-class Refusal:
+class Refusal(Shown):
     """Why something does not hold.
 
     Attributes
@@ -234,6 +261,14 @@ class Refusal:
                 for one in self.misses
             ],
         }
+
+    def parts(self) -> list[Part]:
+        """Return that it does not hold, and why, with what comes closest by each rule below it."""
+        misses: list[Part] = [
+            (f"By {miss.derivation.rule_place()}: {' and '.join(miss.obstacles)}.", [miss.derivation])
+            for miss in self.misses
+        ]
+        return [(self.sentence(), []), *misses]
 
     def reason(self) -> str:
         """Return what keeps it from holding, for the rule that comes closest; empty where that is not known.

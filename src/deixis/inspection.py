@@ -15,6 +15,8 @@ from deixis.explain import Answer, Proof
 from deixis.prolog.quote import term
 from deixis.prolog.terms import Atom, Compound
 from deixis.relations import rounded
+from deixis.render import Shown
+from deixis.render.html import Part
 from deixis.ruleset.model import VIOLATIONS, Constant
 
 if TYPE_CHECKING:
@@ -86,7 +88,7 @@ class Violation:
 
 
 @dataclass(frozen=True, slots=True)
-class Inspection:
+class Inspection(Shown):
     """What was checked in a scene, and what is wrong there.
 
     Attributes
@@ -125,6 +127,13 @@ class Inspection:
         found = f"{count} violation{'s' * (count > 1)}" if count else "no violation"
         rules = f"{len(self.checked)} rule{'s' * (len(self.checked) != 1)}"
         return f"{rules} checked on {self.things} thing{'s' * (self.things != 1)}: {found}"
+
+    def parts(self) -> list[Part]:
+        """Return each breach with its proof below it, and what was checked."""
+        breaches: list[Part] = [
+            (f"{one.rule}: {one.text}", [] if one.proof is None else [one.proof]) for one in self.violations
+        ]
+        return [*breaches, (f"{self.summary()}.", [])]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the inspection as nested dicts, ready for JSON."""

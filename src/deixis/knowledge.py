@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Final
 
 from deixis.errors import QueryError
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from deixis.engines import Engine
     from deixis.explain import Answer, Proof, Refusal
     from deixis.inspection import Inspection
+    from deixis.leaves import Explained, Gathering
 
 MOST_IN_A_NOTEBOOK: Final = 200
 """Things of a scene that a notebook shows unasked; `deixis view` shows any."""
@@ -66,6 +67,30 @@ class KnowledgeBase(Inference):
         from deixis.explain import Refusal
 
         return Refusal.from_dict(self._explained("why_not", goal, timeout))
+
+    def evidence(self, found: Explained) -> Explained:
+        """Return an answer, a refusal, an inspection or a proof with the evidence of its leaves.
+
+        That is what was measured and compared, by name, and what is to be seen of it: see
+        :class:`deixis.evidence.Evidence`.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     proof = kb.evidence(kb.why("on_top_of(sweater, heater)")).proof
+        >>> proof.children[1].children[0].evidence.witness.points
+        ((1.6, 1.9, 0.6), (1.6, 1.9, 0.6))
+        """
+        from deixis.leaves import with_evidence
+
+        return with_evidence(self._gathering, found)
+
+    @cached_property
+    def _gathering(self) -> Gathering:
+        from deixis.leaves import Gathering
+
+        return Gathering(self.scene, self.facts)
 
     def _explained(self, operation: str, goal: str, timeout: float) -> dict[str, Any]:
         from deixis.prolog.engine import question_text

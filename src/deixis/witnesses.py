@@ -14,7 +14,9 @@ import numpy as np
 
 from deixis import measures
 from deixis.boxes import Boxes
+from deixis.facts import Facts
 from deixis.frames import Array, Index, Mask
+from deixis.scene import Scene
 
 _ON: Final = 1.0e-9
 """Metres: a corner nearer than this to a side is on it; rounding is far less, and nothing is seen of it."""
@@ -62,6 +64,23 @@ def segments(boxes: Boxes, figure: Index, reference: Index, granularity: float) 
     return np.stack([_to_world(local, b), _to_world(local - offset, b)], axis=1)
 
 
+def measured_segments(scene: Scene, facts: Facts, rows: Index) -> Array:
+    """Return the points of :func:`segments` for rows of the facts, of what the facts were measured of.
+
+    Of hulls and meshes the figure's point is on the figure's surface; the other lies where the separation
+    says, which is on the reference where the two are apart or convex (decision 0039).
+    """
+    figure, reference = facts.figure[rows].astype(np.int64), facts.reference[rows].astype(np.int64)
+    points = segments(scene.boxes, figure, reference, facts.thresholds.granularity)
+    more = np.array([model != "box" for model in facts.models], dtype=np.bool_)
+    other = np.flatnonzero(more[figure] | more[reference])
+    if len(other):
+        from deixis.solids import touching_points
+
+        points[other] = touching_points(scene, facts, rows[other])
+    return points
+
+
 def _middle_of_contact(there: measures.Placement, half_a: Array, half_b: Array, offset: Array) -> Array:
     """Return the middle of where figures touch references that are moved by an offset, reference frame."""
     x, y, z = offset.T
@@ -90,7 +109,8 @@ def _middle_in_plan(there: measures.Placement, half_a: Array, half_b: Array) -> 
 
     for corner in range(4):
         add(corners_a[:, corner], _within(corners_a[:, corner], half_b))
-        add(corners_b[:, corner], _within(seen_b[:, corner], half_a))
+        apart = (np.abs(corners_a - corners_b[:, None, corner]).max(axis=0) > _ON).all(axis=0)
+        add(corners_b[:, corner], _within(seen_b[:, corner], half_a) & apart)
     for i, j in product(range(4), repeat=2):
         start, other = corners_a[:, i], corners_b[:, j]
         side, across = corners_a[:, (i + 1) % 4] - start, corners_b[:, (j + 1) % 4] - other
@@ -111,7 +131,7 @@ def _within(points: Array, half: Array) -> Mask:
 
 
 def _crossing(start: Array, side: Array, other: Array, across: Array) -> tuple[Array, Mask]:
-    """Return where two sides cross, (2, k), and which of them do."""
+    """Return where two sides cross, (2, k), and which of them do elsewhere than at a corner of either."""
     turn = side[0] * across[1] - side[1] * across[0]
     long, wide = np.hypot(*side), np.hypot(*across)
     crosses = np.abs(turn) > _PARALLEL * long * wide
@@ -119,7 +139,7 @@ def _crossing(start: Array, side: Array, other: Array, across: Array) -> tuple[A
     gap = other - start
     t = (gap[0] * across[1] - gap[1] * across[0]) / safe
     u = (gap[0] * side[1] - gap[1] * side[0]) / safe
-    crosses &= (np.abs(t - 0.5) * long <= 0.5 * long + _ON) & (np.abs(u - 0.5) * wide <= 0.5 * wide + _ON)
+    crosses &= (np.abs(t - 0.5) * long < 0.5 * long - _ON) & (np.abs(u - 0.5) * wide < 0.5 * wide - _ON)
     return start + t * side, crosses
 
 

@@ -12,6 +12,12 @@ import typer
 from deixis import __version__
 from deixis.cli import rules as rules_commands
 from deixis.cli import serve as serve_command
+from deixis.cli.explanations import (
+    ExplanationFile,
+    ExplanationFormat,
+    ExplanationOption,
+    write_explanation,
+)
 from deixis.cli.output import (
     Format,
     RelationFormat,
@@ -262,19 +268,20 @@ def why(
     scene: ScenePath,
     goal: Annotated[str, typer.Argument(metavar="GOAL", help="A relation, e.g. 'leans_on(ladder, wall)'.")],
     region: RegionOption = Region.BOX,
-    output: Annotated[TextOrJson, typer.Option("--format", help="How to print the proof.")] = TextOrJson.TEXT,
+    output: ExplanationOption = ExplanationFormat.TEXT,
+    to: ExplanationFile = None,
     timeout: Seconds = 10.0,
     rules: RuleFiles = None,
 ) -> None:
     """Explain why a relation holds, down to the measured numbers; exit code 1 when it does not hold."""
     with open_scene(scene, region, rules) as kb:
         answer = kb.why(goal, timeout=timeout)
-    if output is TextOrJson.JSON:
-        write_json({"goal": goal, **answer.to_dict()})
-    elif answer.proof is not None:
-        print(printable_lines(answer.proof.outline()))
-    else:
-        print(f"No: {printable(answer.text)}.")
+        if output is not ExplanationFormat.TEXT:
+            answer = kb.evidence(answer)
+    said = (
+        f"No: {printable(answer.text)}." if answer.proof is None else printable_lines(answer.proof.outline())
+    )
+    write_explanation(answer, {"goal": goal, **answer.to_dict()}, said, goal, output, to)
     if answer.proof is None:
         raise typer.Exit(1)
 

@@ -18,6 +18,12 @@ from deixis.cli.commands import (
     open_scene,
     warn,
 )
+from deixis.cli.explanations import (
+    ExplanationFile,
+    ExplanationFormat,
+    ExplanationOption,
+    write_explanation,
+)
 from deixis.cli.output import printable, printable_lines, write_json
 from deixis.errors import QueryError
 
@@ -33,7 +39,8 @@ def why_not(
         str, typer.Argument(metavar="GOAL", help="A relation, e.g. 'affixed_on(picture, wall)'.")
     ],
     region: RegionOption = Region.BOX,
-    output: Annotated[TextOrJson, typer.Option("--format", help="How to print it.")] = TextOrJson.TEXT,
+    output: ExplanationOption = ExplanationFormat.TEXT,
+    to: ExplanationFile = None,
     timeout: Seconds = 10.0,
     rules: RuleFiles = None,
 ) -> None:
@@ -43,12 +50,12 @@ def why_not(
     """
     with open_scene(scene, region, rules) as kb:
         found = kb.why_not(goal, timeout=timeout)
-    if output is TextOrJson.JSON:
-        write_json({"goal": goal, **found.to_dict()})
-    else:
-        print(printable(found.sentence()))
-        for miss in found.misses[1:]:
-            print(f"Nor by {miss.derivation.rule_place()}: {printable(' and '.join(miss.obstacles))}.")
+        if output is not ExplanationFormat.TEXT:
+            found = kb.evidence(found)
+    said = [printable(found.sentence())]
+    for miss in found.misses[1:]:
+        said.append(f"Nor by {miss.derivation.rule_place()}: {printable(' and '.join(miss.obstacles))}.")
+    write_explanation(found, {"goal": goal, **found.to_dict()}, "\n".join(said), goal, output, to)
     if found.holds:
         raise typer.Exit(1)
 
@@ -84,7 +91,8 @@ def check(
     engine: Annotated[
         EngineName, typer.Option(help="What derives the violations; all give the same.")
     ] = EngineName.DUCKDB,
-    output: Annotated[TextOrJson, typer.Option("--format", help="How to print them.")] = TextOrJson.TEXT,
+    output: ExplanationOption = ExplanationFormat.TEXT,
+    to: ExplanationFile = None,
     brief: Annotated[bool, typer.Option("--brief", help="Without reasons: needs no SWI-Prolog.")] = False,
     timeout: Seconds = 60.0,
 ) -> None:
@@ -95,15 +103,15 @@ def check(
     """
     with open_scene(scene, region, rules) as kb:
         found = kb.check(view=view, engine=engine.value, reasons=not brief, timeout=timeout)
-    if output is TextOrJson.JSON:
-        write_json(found.to_dict())
-    else:
-        says = {one.rule: one.says for one in found.checked}
-        for one in found.violations:
-            print(printable(": ".join(filter(None, (one.rule, says[one.rule])))))
-            told = one.text if one.proof is None else one.proof.outline()
-            print(printable_lines("\n".join(f"  {line}" for line in told.split("\n"))), end="\n\n")
-        print(found.summary())
+        if output is not ExplanationFormat.TEXT:
+            found = kb.evidence(found)
+    says, said = {one.rule: one.says for one in found.checked}, []
+    for one in found.violations:
+        said.append(printable(": ".join(filter(None, (one.rule, says[one.rule])))))
+        told = one.text if one.proof is None else one.proof.outline()
+        said.append(printable_lines("\n".join(f"  {line}" for line in told.split("\n"))) + "\n")
+    said.append(found.summary())
+    write_explanation(found, found.to_dict(), "\n".join(said), f"Check of {found.scene}", output, to)
     if not found.passed:
         raise typer.Exit(1)
 

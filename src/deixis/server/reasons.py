@@ -141,8 +141,8 @@ class Reasons:
         return self._page
 
     def why(self, *, goal: str, timeout: float) -> dict[str, Any]:
-        """Return the proof of a relation, or how far it is from holding."""
-        answer = self.kb.why(goal, timeout=timeout)
+        """Return the proof of a relation with its evidence, or how far it is from holding."""
+        answer = self.kb.evidence(self.kb.why(goal, timeout=timeout))
         told: Mapping[str, Any] = answer.to_dict()
         return {"goal": goal, **told}
 

@@ -3,5 +3,6 @@
 from deixis.solids.narrowphase import measure_regions
 from deixis.solids.sides import meet_regions
 from deixis.solids.solid import Solids
+from deixis.solids.touching import touching_points
 
-__all__ = ["Solids", "measure_regions", "meet_regions"]
+__all__ = ["Solids", "measure_regions", "meet_regions", "touching_points"]

@@ -122,6 +122,15 @@ def separate(a: Solid, b: Solid, pose: Pose, limits: Thresholds, far: float = np
     return Separation(distance, _direction(a, b, pose, distance, offset, limits), hulls)
 
 
+def nearest(a: Solid, b: Solid, pose: Pose, *, hulls: bool) -> tuple[float, Array, Array]:
+    """Return the distance of two solids, or of their hulls, and the nearest point of each in b's frame.
+
+    Where they meet, the points mean nothing.
+    """
+    shape = _hull_shape if hulls else _matter_shape
+    return _distance(shape(a), shape(b), pose)
+
+
 def _pierces(a: Solid, b: Solid, pose: Pose) -> bool:
     """Return whether a corner of a lies in b, which is convex: then they meet, and no tree need be asked."""
     return b.convex and bool((b.hull.depth(pose.place(a.hull.corners).astype(np.float32)) >= -_ON).any())
