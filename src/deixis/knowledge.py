@@ -235,9 +235,9 @@ class KnowledgeBase(Inference):
             for one in self.relations(relation=names, timeout=timeout)
         }
         proofs = self.proofs(relation=names, timeout=timeout)
-        return page_data(
-            self.scene, self.facts, (Shown(proof, margins[key]) for key, proof in proofs.items())
-        )
+        seen = self._gathering.gather(list(proofs.values()))
+        found = [Shown(proof, margins[key]) for key, proof in zip(proofs, seen, strict=True)]
+        return page_data(self.scene, self.facts, found)
 
     def _repr_html_(self) -> str | None:
         """Return the page in a frame of its own, for notebooks; None where it is not there, or too large."""

@@ -14,14 +14,13 @@ from deixis.facts import Facts
 from deixis.frames import WORLD, Array, Mask
 from deixis.scene import Scene
 from deixis.thresholds import SNAP
-from deixis.view.reasons import Reasons
-from deixis.view.seen import planes_of, segments_of, short
+from deixis.view.reasons import Reasons, short
 from deixis.view.shapes import shapes
 
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """A relation on the page: its proof, and the margin it holds by, which other proofs may widen."""
+    """A relation on the page: its proof, with evidence, and its margin, which other proofs may widen."""
 
     proof: Proof
     margin: float | None
@@ -43,7 +42,7 @@ def page_data(scene: Scene, facts: Facts, found: Iterable[Shown]) -> tuple[dict[
     dict
         Things with their boxes, views with contextualised boxes, relations in a row each.
     dict
-        Tables of steps, segments between nearest points, and shapes other than boxes.
+        Tables of steps, and shapes other than boxes.
     """
     position = {name: index for index, name in enumerate(facts.ids)}
     views = {view.id: index for index, view in enumerate(scene.views)}
@@ -80,13 +79,7 @@ def page_data(scene: Scene, facts: Facts, found: Iterable[Shown]) -> tuple[dict[
         ],
         "relations": relations,
     }
-    later = {
-        **reasons.to_dict(),
-        "segments": segments_of(scene, facts, reasons.pairs()),
-        "planes": planes_of(scene, facts, reasons.spaces()),
-        "shapes": shapes(scene.regions),
-    }
-    return now, later
+    return now, {**reasons.to_dict(), "shapes": shapes(scene.regions)}
 
 
 def _box(boxes: Boxes, index: int) -> list[Any]:

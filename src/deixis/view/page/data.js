@@ -51,15 +51,17 @@ export class Reasons {
   constructor(later) {
     this.tables = later;
     this.known = new Map();
-    this.spans = new Map(later.segments.map(([i, j, ...ends]) => [`${i},${j}`, ends]));
   }
 
   step(number) {
     if (!this.known.has(number)) {
       const { words, rules, steps } = this.tables;
-      const [kind, predicate, args, text, margin, axiom, rule, shown, below] = steps[number];
+      const [kind, predicate, args, text, margin, axiom, rule, shown, below, values = [], limits = [], sight = null] = steps[number];
+      const named = (some) => some.map(([name, value, unit]) => ({ name: words[name], value, unit }));
       this.known.set(number, {
-        number, margin, axiom, below,
+        number, margin, axiom, below, sight,
+        values: named(values),
+        limits: named(limits),
         kind: KINDS[kind],
         predicate: words[predicate],
         args: args.map((one) => (one === null ? null : Array.isArray(one) ? one[0] : words[one])),
@@ -83,14 +85,11 @@ export class Reasons {
     return [predicate, ...args].map((one) => encodeURIComponent(String(one))).join(",");
   }
 
-  /** Where the plane is that decides a halfspace, its normal, the point that decides, and what bounds it. */
-  plane(name) {
-    const row = this.tables.planes[name];
-    return row ? { point: row.slice(0, 3), normal: row.slice(3, 6), witness: row.slice(6, 9), bound: row[9] } : null;
-  }
-
-  span(i, j) {
-    return this.spans.get(`${i},${j}`) ?? this.spans.get(`${j},${i}`);
+  /** What lights up for a step: of a leaf its own, else those of the leaves it rests on. */
+  sights(step, found = new Map()) {
+    if (step.sight !== null) found.set(step.sight, this.tables.sights[step.sight]);
+    else if (step.kind !== "negation") for (const one of step.below) this.sights(this.step(one), found);
+    return found;
   }
 }
 

@@ -2,25 +2,26 @@
 import { metres } from "./data.js";
 import { element } from "./element.js";
 
-const exact = (value) => `${value} m`;
+const UNITS = { m: " m", m3: " m³", 1: "" };
+const exact = ({ name, value, unit }) => `${name.replaceAll("_", " ")} ${value}${UNITS[unit]}`;
 
 function table(rows) {
   return element("dl", {}, ...rows.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, value)]));
 }
 
 /** What there is to know of a step. */
-export function ofStep(step, thresholds) {
+export function ofStep(step, model) {
   const said = step.args.map((one) => (one === null ? "_" : String(one))).join(", ");
   const rows = [["as a fact", step.args.length ? `${step.predicate}(${said})` : step.predicate]];
   if (step.margin !== null) {
-    const unsure = Math.abs(step.margin) < thresholds.pose_noise;
-    const noise = metres(thresholds.pose_noise);
-    rows.push(["margin", `${exact(step.margin)}${unsure ? `, within the pose noise of ${noise}: uncertain` : ""}`]);
+    const noise = model.thresholds.pose_noise;
+    const unsure = Math.abs(step.margin) < noise ? `, within the pose noise of ${metres(noise)}: uncertain` : "";
+    rows.push(["margin", `${step.margin} m${unsure}`]);
   }
+  if (step.values.length) rows.push(["measured", step.values.map(exact).join(", ")]);
+  if (step.limits.length) rows.push(["compared with", step.limits.map(exact).join(", ")]);
   if (step.rule) rows.push(["rule", step.rule]);
   if (step.axiom !== null) rows.push(["axiom", String(step.axiom)]);
-  const { granularity: d, penetration: p, closeness: t, halfspace_scale: s } = thresholds;
-  rows.push(["thresholds", `D ${metres(d)}, P ${metres(p)}, T ${metres(t)}, s ${s}`]);
   return table(rows);
 }
 

@@ -22,36 +22,31 @@ function lit(thing, colour) {
   return group;
 }
 
-function segment(ends, colour) {
-  const [from, to] = [new Vector3().fromArray(ends), new Vector3().fromArray(ends, 3)];
+function dot(point, colour) {
+  const ball = new Mesh(new SphereGeometry(0.018, 12, 8), new MeshBasicMaterial({ color: colour, depthTest: false }));
+  ball.position.set(...point);
+  return ball;
+}
+
+/** The points that something is measured between. */
+function segment([from, to], colour) {
   const group = new Group();
-  const positions = new BufferAttribute(new Float32Array(ends), 3);
-  const line = new LineSegments(
-    new BufferGeometry().setAttribute("position", positions), new LineBasicMaterial({ color: colour, depthTest: false }),
-  );
-  group.add(line);
-  group.add(dot(from, colour), dot(to, colour));
+  const ends = new BufferAttribute(new Float32Array([...from, ...to]), 3);
+  const geometry = new BufferGeometry().setAttribute("position", ends);
+  const line = new LineSegments(geometry, new LineBasicMaterial({ color: colour, depthTest: false }));
+  group.add(line, dot(from, colour), dot(to, colour));
   for (const one of group.children) one.renderOrder = ABOVE_ALL + 1;
   return group;
 }
 
-function dot(point, colour) {
-  const ball = new Mesh(new SphereGeometry(0.018, 12, 8), new MeshBasicMaterial({ color: colour, depthTest: false }));
-  ball.position.copy(point);
-  return ball;
-}
-
-/** The plane that decides, and how far the point that decides is from it. */
-function decisive({ point, normal, witness }, reference, colour) {
-  const [foot, way, end] = [point, normal, witness].map((one) => new Vector3(...one));
-  const group = new Group();
+/** The plane that decides on which side a thing is. */
+function decisive([point, normal], thing, colour) {
   const material = new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.3, depthWrite: false, side: DoubleSide });
-  const wide = Math.min(1.5, Math.max(0.25, 1.2 * Math.max(...reference.half)));
+  const wide = Math.min(1.5, Math.max(0.25, 1.2 * Math.max(...thing.half)));
   const plane = new Mesh(new PlaneGeometry(2 * wide, 2 * wide), material);
-  plane.position.copy(foot);
-  plane.lookAt(foot.clone().add(way));
-  group.add(plane, segment([...foot.toArray(), ...end.toArray()], colour));
-  return group;
+  plane.position.set(...point);
+  plane.lookAt(plane.position.clone().add(new Vector3(...normal)));
+  return plane;
 }
 
 function space({ volume, face }, colour) {
@@ -84,11 +79,11 @@ export function litUp(marks, model, colours) {
   if (marks.figure !== null) group.add(lit(things[marks.figure], colours.figure));
   for (const one of marks.others) group.add(lit(things[one], colours.other));
   for (const ends of marks.spans) group.add(segment(ends, colours.span));
-  for (const { thing, axis, frame, plane } of marks.spaces) {
+  for (const { plane, thing } of marks.planes) group.add(decisive(plane, things[thing], colours.span));
+  for (const { thing, axis, frame } of marks.spaces) {
     // Above and below are the same for all views.
     const boxes = spaceBoxes(things[thing], frames[axis[0] === "Z" ? 0 : frame]?.[thing] ?? null, axis);
     if (boxes) group.add(space(boxes, colours.space));
-    if (plane) group.add(decisive(plane, things[thing], colours.span));
   }
   for (const { thing, frame } of marks.turned) {
     const row = frames[frame]?.[thing];

@@ -116,7 +116,7 @@ class Page {
   follow(now, before) {
     const changed = (...names) => before === null || names.some((name) => now[name] !== before[name]);
     if (changed("theme")) this.paint();
-    if (changed("view") && before !== null) this.picture?.stand(now.view);
+    if (changed("theme", "view")) this.picture?.stand(now.view);
     if (changed("thing", "view", "only", "search", "unsure")) {
       this.rows = listed(now, this.model);
       at("count").textContent = this.rows.length === this.model.relations.length ? `${this.rows.length}` : `${this.rows.length} of ${this.model.relations.length}`;
@@ -146,7 +146,7 @@ class Page {
     const root = this.reasons.step(this.model.relations[now.relation].step);
     this.tree.show(root, now.path, this.reasons, now.all, this.model.thresholds.pose_noise);
     const step = Tree.at(root, now.path, this.reasons, now.all);
-    at("evidence").replaceChildren(evidence.ofStep(step, this.model.thresholds));
+    at("evidence").replaceChildren(evidence.ofStep(step, this.model));
     return step;
   }
 

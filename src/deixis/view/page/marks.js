@@ -1,45 +1,38 @@
-// What lights up in the picture: the things, points and spaces that a step of a proof speaks of.
+// What lights up in the picture: the things, points, planes and spaces that a step of a proof speaks of.
 
 const AXES = ["X+", "X-", "Y+", "Y-", "Z+", "Z-"];
+const MANY = 3; // planes that can be told apart
 
-const NOTHING = { figure: null, reference: null, others: [], spans: [], spaces: [], turned: [] };
+const NOTHING = { figure: null, reference: null, others: [], spans: [], planes: [], spaces: [], turned: [] };
 
-/** The space on one side of a thing that a step speaks of, or null. */
-function spaceOf(step, model) {
+/** The spaces on one side of a thing that a step and those below it speak of, by name. */
+function spacesOf(step, model, reasons, found = new Map()) {
   const axis = step.args.find((one) => AXES.includes(one));
   const thing = model.thingAt.get(step.args[1]);
-  if (axis === undefined || thing === undefined) return null;
-  const view = step.args.map((one) => model.viewAt.get(one)).find((one) => one !== undefined);
-  const frame = view === undefined ? 0 : view + 1;
-  return { thing, axis, frame, plane: `${model.thingAt.get(step.args[0])} ${thing} ${axis} ${frame}` };
-}
-
-function spacesBelow(step, model, reasons, found = new Map()) {
-  const space = spaceOf(step, model);
-  if (space) found.set(`${space.thing} ${space.axis} ${space.frame}`, space);
-  if (step.kind !== "negation") {
-    for (const one of step.below) spacesBelow(reasons.step(one), model, reasons, found);
+  if (axis !== undefined && thing !== undefined) {
+    const view = step.args.map((one) => model.viewAt.get(one)).find((one) => one !== undefined);
+    const frame = view === undefined ? 0 : view + 1;
+    found.set(`${thing} ${axis} ${frame}`, { thing, axis, frame });
+  } else if (step.kind !== "negation") {
+    for (const one of step.below) spacesOf(reasons.step(one), model, reasons, found);
   }
-  return [...found.values()];
+  return found;
 }
 
 /** The marks of a step. */
-export function ofStep(step, model, reasons) {
-  const named = (one) => one.args.map((arg) => model.thingAt.get(arg)).filter((index) => index !== undefined);
-  const things = named(step);
+function ofStep(step, model, reasons) {
+  const placed = (names) => names.map((one) => model.thingAt.get(one)).filter((index) => index !== undefined);
+  const sights = [...reasons.sights(step).values()];
+  const own = placed(step.args);
   // Of what is absent, what came closest is shown.
-  if (step.kind === "negation" || things.length < 2) {
-    for (const one of step.below.flatMap((number) => named(reasons.step(number)))) {
-      if (!things.includes(one)) things.push(one);
-    }
-  }
-  const [figure = null, reference = null, ...others] = things;
-  const ends = reference === null ? undefined : reasons.span(figure, reference);
-  const about = spaceOf(step, model);
+  const more = own.length < 2 || step.kind === "negation" ? sights.flatMap(([names]) => placed(names)) : [];
+  const [figure = null, reference = null, ...others] = [...new Set([...own, ...more])];
+  const planes = sights.filter(([, , plane]) => plane !== null);
   return {
     ...NOTHING, figure, reference, others,
-    spans: ends && !about ? [ends] : [],
-    spaces: (about ? [about] : spacesBelow(step, model, reasons)).map((one) => ({ ...one, plane: reasons.plane(one.plane) })),
+    spans: sights.filter(([, points]) => points !== null).map(([, points]) => points),
+    planes: planes.length <= MANY ? planes.map(([names, , plane]) => ({ plane, thing: model.thingAt.get(names[1]) })) : [],
+    spaces: [...spacesOf(step, model, reasons).values()],
   };
 }
 

@@ -101,7 +101,7 @@ export class Picture {
     const lines = new LineBasicMaterial({ color: colours.line, transparent: true, opacity: 0.75 });
     this.fixed.add(new LineSegments(edgesOf(matrices), lines));
     this.colours = colours;
-    this.stand(this.view ?? 0);
+    this.draw();
   }
 
   filled(things, material) {
