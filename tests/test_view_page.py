@@ -1,4 +1,4 @@
-"""The page in a browser: from disk, by pointer and by keys, its parts linked; what is seen is told by pixels."""
+"""The page in a browser: from disk, by pointer and by keys, its parts linked; pixels tell what is seen."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from playwright.sync_api import Browser
 
 from browser import Window, browser, needs_browser, saved
 from deixis import KnowledgeBase, Scene
-from deixis.view import framed
+from deixis.view import framed, page_html
 from endpoint import HANS, serving
 from scenes import box, floor, scene
 
@@ -339,9 +339,9 @@ def crowd(things: int, side: float) -> Scene:
 
 
 def test_five_hundred_things_stay_lively(chromium: Browser, tmp_path: Path) -> None:
-    with KnowledgeBase.from_scene(crowd(500, 20.0)) as kb:
+    with KnowledgeBase.from_scene(crowd(500, 18.5)) as kb:
         now, later = kb.page_data()
-        page = kb.page()
+    page = page_html("crowd", now, later)
     assert len(now["relations"]) >= MANY
     place = saved(page, tmp_path / "crowd.html")
     raw = len(json.dumps(now)) + len(json.dumps(later))

@@ -85,10 +85,10 @@ export class Reasons {
     return [predicate, ...args].map((one) => encodeURIComponent(String(one))).join(",");
   }
 
-  /** What lights up for a step: of a leaf its own, else those of the leaves it rests on. */
+  /** What lights up for a step: of a leaf its own, else those of the leaves it rests on, save what is absent. */
   sights(step, found = new Map()) {
     if (step.sight !== null) found.set(step.sight, this.tables.sights[step.sight]);
-    else if (step.kind !== "negation") for (const one of step.below) this.sights(this.step(one), found);
+    else for (const one of step.below.map((number) => this.step(number))) if (one.kind !== "negation") this.sights(one, found);
     return found;
   }
 }

@@ -1,8 +1,11 @@
 // What lights up: two things, the points nearest to each other, spaces and their faces, turned boxes.
 import {
-  BufferAttribute, BufferGeometry, DoubleSide, Group, LineBasicMaterial, LineDashedMaterial, LineSegments, Mesh,
-  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, SphereGeometry, Vector3,
+  BufferAttribute, BufferGeometry, CanvasTexture, DoubleSide, Group, LineBasicMaterial, LineDashedMaterial, LineSegments,
+  Mesh, MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Points, PointsMaterial, Vector3,
 } from "three";
+import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
+import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
+import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import { CUBE, edgesOf, placed, spaceBoxes } from "./shapes.js";
 
 const ABOVE_ALL = 10;
@@ -22,27 +25,41 @@ function lit(thing, colour) {
   return group;
 }
 
-function dot(point, colour) {
-  const ball = new Mesh(new SphereGeometry(0.018, 12, 8), new MeshBasicMaterial({ color: colour, depthTest: false }));
-  ball.position.set(...point);
-  return ball;
-}
-
-/** The points that something is measured between. */
+/** The points that something is measured between, and a line: as wide wherever one looks from. */
 function segment([from, to], colour) {
   const group = new Group();
-  const ends = new BufferAttribute(new Float32Array([...from, ...to]), 3);
-  const geometry = new BufferGeometry().setAttribute("position", ends);
-  const line = new LineSegments(geometry, new LineBasicMaterial({ color: colour, depthTest: false }));
-  group.add(line, dot(from, colour), dot(to, colour));
+  const line = new LineSegments2(
+    new LineSegmentsGeometry().setPositions([...from, ...to]), new LineMaterial({ color: colour, linewidth: 3, depthTest: false }),
+  );
+  const ends = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array([...from, ...to]), 3));
+  const dots = new Points(ends, new PointsMaterial({
+    color: colour, size: 11, sizeAttenuation: false, depthTest: false, map: disc(), transparent: true, alphaTest: 0.5,
+  }));
+  group.add(line, dots);
   for (const one of group.children) one.renderOrder = ABOVE_ALL + 1;
   return group;
+}
+
+let drawnDisc = null;
+
+/** What makes a point round. */
+function disc() {
+  if (drawnDisc === null) {
+    const canvas = document.createElement("canvas");
+    canvas.width = canvas.height = 32;
+    const drawing = canvas.getContext("2d");
+    drawing.fillStyle = "#fff";
+    drawing.arc(16, 16, 15, 0, 2 * Math.PI);
+    drawing.fill();
+    drawnDisc = new CanvasTexture(canvas);
+  }
+  return drawnDisc;
 }
 
 /** The plane that decides on which side a thing is. */
 function decisive([point, normal], thing, colour) {
   const material = new MeshBasicMaterial({ color: colour, transparent: true, opacity: 0.3, depthWrite: false, side: DoubleSide });
-  const wide = Math.min(1.5, Math.max(0.25, 1.2 * Math.max(...thing.half)));
+  const wide = Math.min(0.6, Math.max(0.25, 1.2 * Math.max(...thing.half)));
   const plane = new Mesh(new PlaneGeometry(2 * wide, 2 * wide), material);
   plane.position.set(...point);
   plane.lookAt(plane.position.clone().add(new Vector3(...normal)));

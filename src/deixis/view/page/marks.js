@@ -13,8 +13,10 @@ function spacesOf(step, model, reasons, found = new Map()) {
     const view = step.args.map((one) => model.viewAt.get(one)).find((one) => one !== undefined);
     const frame = view === undefined ? 0 : view + 1;
     found.set(`${thing} ${axis} ${frame}`, { thing, axis, frame });
-  } else if (step.kind !== "negation") {
-    for (const one of step.below) spacesOf(reasons.step(one), model, reasons, found);
+  } else {
+    for (const one of step.below.map((number) => reasons.step(number))) {
+      if (one.kind !== "negation") spacesOf(one, model, reasons, found);
+    }
   }
   return found;
 }
