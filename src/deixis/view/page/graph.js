@@ -2,7 +2,7 @@
 import cytoscape from "cytoscape";
 import { relationColour } from "./palette.js";
 
-export const MOST = 160; // relations drawn
+export const MOST = 60; // relations drawn: more are neither read nor drawn at once
 
 const styles = (colours) => [
   { selector: "node", style: {
