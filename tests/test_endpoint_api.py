@@ -6,9 +6,11 @@ import json
 from collections.abc import Iterator
 from urllib.parse import quote
 
+import jsonschema
 import pytest
 
 from deixis.knowledge import KnowledgeBase
+from deixis.render import explanation_schema
 from deixis.scene import Scene
 from endpoint import HANS, Reply, Server, serving
 
@@ -112,6 +114,13 @@ def test_reasons_are_python_s(server: Server, kb: KnowledgeBase) -> None:
         assert found["text"] == kb.why(goal).to_dict()["text"]
         assert str(HANS.parent.parent.parent) not in json.dumps(found)
     assert server.send("GET", "/scenes/hans/why?goal=halt").status == 400
+
+
+def test_reasons_have_their_evidence_and_are_as_the_schema_says(server: Server) -> None:
+    for goal in ("leans_on(extinguisher2, wall)", "on_top_of(extinguisher2, wall)"):
+        found = server.send("GET", f"/scenes/hans/why?goal={quote(goal)}").json
+        jsonschema.validate(found, explanation_schema())
+        assert '"granularity"' in json.dumps(found["proof"] or found["nearest"])
 
 
 def test_scenes_are_whole(server: Server) -> None:

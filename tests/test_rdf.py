@@ -253,6 +253,49 @@ def test_premises_lead_to_steps_that_say_something(hans: ox.Store) -> None:
     assert ("urn:deixis:term:Derivation", "the fire extinguisher (extinguisher2) touches the wall") in why
 
 
+def test_every_leaf_says_its_rule_its_numbers_and_where_it_was_measured(hans: ox.Store) -> None:
+    leaves = "?p a ?kind FILTER(?kind IN (:Measurement, :Comparison, :Absence))"
+    bare = f"SELECT ?p {{ GRAPH ?g {{ {leaves} FILTER NOT EXISTS {{ ?p :ruleFile ?f ; :ruleLine ?l }} }} }}"
+    assert rows(hans, bare) == []
+    lost = "SELECT ?p { GRAPH ?g { ?p a :Comparison FILTER NOT EXISTS { ?p :value ?v ; :threshold ?t ; "
+    assert rows(hans, lost + ":comparedWith ?n ; :margin ?m ; :axiom ?a ; :witness/geo:asWKT ?w } } }") == []
+    touch = (
+        "SELECT ?quantity ?value ?threshold ?limit ?wkt ?direction ?file ?axiom { GRAPH ?g { "
+        "?d :relation :touches ; :figure <urn:deixis:scene:hans:thing:sign> ; "
+        ":reference <urn:deixis:scene:hans:thing:wall> ; :premise ?p . ?p a :Comparison ; "
+        ":quantity ?quantity ; :value ?value ; :threshold ?threshold ; :comparedWith ?limit ; "
+        ":witness/geo:asWKT ?wkt ; :direction ?direction ; :ruleFile ?file ; :axiom ?axiom } } "
+    )
+    assert {row[2:4] for row in rows(hans, touch)} == {("granularity", "0.02"), ("penetration", "0.04")}
+    for quantity, value, _, _, wkt, direction, file, axiom in rows(hans, touch):
+        assert (quantity, float(value), file, axiom) == ("separation", 0.0, "topology.pl", "16")
+        assert wkt.startswith("<urn:deixis:scene:hans:frame> POINT Z (")
+        assert list(map(float, direction.split())) == [0.0, -1.0, 0.0]
+
+
+def test_what_depends_on_a_view_is_seen_from_it(hans: ox.Store) -> None:
+    asked = (
+        "SELECT ?view ?wkt ?bound { GRAPH ?g { ?d :relation :leftOf ; :premise ?p . "
+        "?p :seenFrom ?view ; :witness/geo:asWKT ?wkt ; :bound ?bound } }"
+    )
+    found = rows(hans, asked)
+    assert found
+    assert {view for view, _, _ in found} <= {f"urn:deixis:scene:hans:view:v{number}" for number in (0, 1)}
+    assert all(" LINESTRING Z (" in wkt for _, wkt, _ in found)
+
+
+def test_hostile_labels_are_text_in_derivations(tmp_path: Path) -> None:
+    label = '<script>alert(1)</script> \'); halt. """ \\ > .'
+    made = scene(box("cup", [0, 0, 0.05], [0.1, 0.1, 0.1], label=label), floor())
+    for form in ("nq", "trig", "jsonld"):
+        with KnowledgeBase(made) as kb:
+            save(kb, tmp_path / f"made.{form}")
+        read = ox.Store()
+        read.load(path=tmp_path / f"made.{form}")
+        said = rows(read, "SELECT ?s { GRAPH ?g { ?d :relation :onTopOf ; :says ?s } }")
+        assert said == [(f"the {label} is on top of the floor",)]
+
+
 def test_without_proofs_the_margins_are_there_all_the_same(figure_3: Scene) -> None:
     found = exported(figure_3, proofs=False)
     assert rows(found, "SELECT ?p { GRAPH ?g { ?d :premise ?p } }") == []

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
 
@@ -95,6 +95,17 @@ class Evidence:
     margin: float | None = None
     witness: Witness | None = None
 
+    @classmethod
+    def from_dict(cls, node: Mapping[str, Any]) -> Evidence:
+        """Return the evidence that :meth:`to_dict` gave as dicts."""
+        seen = node["witness"]
+        return cls(
+            tuple(Value(**one) for one in node["values"]),
+            tuple(Value(**one) for one in node["thresholds"]),
+            node["margin"],
+            None if seen is None else _witness(seen),
+        )
+
     def to_dict(self) -> dict[str, Any]:
         """Return the evidence as nested dicts, ready for JSON.
 
@@ -125,6 +136,23 @@ class Evidence:
                 "measured_as": dict(seen.measured_as),
             },
         }
+
+
+def _witness(node: Mapping[str, Any]) -> Witness:
+    points, plane = node["points"], node["plane"]
+    return Witness(
+        tuple(node["things"]),
+        None if points is None else (_point(points[0]), _point(points[1])),
+        None if node["normal"] is None else _point(node["normal"]),
+        None if plane is None else Plane(_point(plane["point"]), _point(plane["normal"]), plane["bound"]),
+        node["view"],
+        dict(node["measured_as"]),
+    )
+
+
+def _point(values: Sequence[float]) -> Point:
+    x, y, z = values
+    return x, y, z
 
 
 def _value(one: Value) -> dict[str, Any]:

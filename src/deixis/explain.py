@@ -72,8 +72,8 @@ class Proof(Shown):
 
     @classmethod
     def from_dict(cls, node: Mapping[str, Any]) -> Proof:
-        """Return the proof that the rules' meta-interpreter gave as a dict."""
-        rule = node["rule"]
+        """Return the proof that the rules' meta-interpreter, or :meth:`to_dict`, gave as a dict."""
+        rule, evidence = node["rule"], node.get("evidence")
         return cls(
             kind=node["kind"],
             predicate=node["predicate"],
@@ -84,6 +84,7 @@ class Proof(Shown):
             rule=Rule(rule["file"], rule["line"]) if rule else None,
             shown=node["shown"],
             children=tuple(cls.from_dict(child) for child in node["children"]),
+            evidence=None if evidence is None else Evidence.from_dict(evidence),
         )
 
     def to_dict(self) -> dict[str, Any]:

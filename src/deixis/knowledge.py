@@ -248,11 +248,12 @@ class KnowledgeBase(Inference):
         return framed(self.page())
 
     def proofs(
-        self, *, relation: Iterable[str] | None = None, timeout: float = 300.0
+        self, *, relation: Iterable[str] | None = None, evidence: bool = False, timeout: float = 300.0
     ) -> dict[tuple[str, ...], Proof]:
         """Return the shortest proof of all that holds, by the relation's name and its arguments.
 
-        What is asked for, and what is raised, is as for :meth:`relations`.
+        With ``evidence`` the leaves have theirs, as :meth:`evidence` gives it. What is asked for, and what is
+        raised, is as for :meth:`relations`.
 
         Examples
         --------
@@ -267,5 +268,7 @@ class KnowledgeBase(Inference):
         names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
         wanted: list[Any] = [[Atom(name), arity] for one in names for name, arity in self._predicates(one)]
         found: Any = self.engine.call("proofs", *wanted, timeout=timeout)
-        proofs = map(Proof.from_dict, found)
+        proofs = [Proof.from_dict(one) for one in found]
+        if evidence:
+            proofs = self._gathering.gather(proofs)
         return {(one.predicate, *map(str, one.args)): one for one in proofs}

@@ -52,10 +52,12 @@ def why_not(
         found = kb.why_not(goal, timeout=timeout)
         if output is not ExplanationFormat.TEXT:
             found = kb.evidence(found)
-    said = [printable(found.sentence())]
-    for miss in found.misses[1:]:
-        said.append(f"Nor by {miss.derivation.rule_place()}: {printable(' and '.join(miss.obstacles))}.")
-    write_explanation(found, {"goal": goal, **found.to_dict()}, "\n".join(said), goal, output, to)
+    others = (
+        f"Nor by {miss.derivation.rule_place()}: {printable(' and '.join(miss.obstacles))}."
+        for miss in found.misses[1:]
+    )
+    said = "\n".join([printable(found.sentence()), *others])
+    write_explanation(found, {"goal": goal, **found.to_dict()}, said, goal, output, to)
     if found.holds:
         raise typer.Exit(1)
 

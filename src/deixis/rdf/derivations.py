@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Final
 
+from deixis.rdf.evidence import write_evidence
 from deixis.rdf.knowledge import Holds, Step
 from deixis.rdf.layout import TERM, term
 from deixis.rdf.names import SceneNames
@@ -47,7 +48,11 @@ def write_derivations(
         if known is not None:
             to.whole(iri, TERM + "axiom", known.axiom)
         if proofs is not None:
-            _step(to, iri, proofs[key], holds.keys(), names)
+            step = proofs[key]
+            if step.rule is not None:
+                to.text(iri, TERM + "ruleFile", step.rule.file)
+                to.whole(iri, TERM + "ruleLine", step.rule.line)
+            _step(to, iri, step, holds.keys(), names)
 
 
 def _derivation(key: Key, names: SceneNames) -> str:
@@ -56,12 +61,11 @@ def _derivation(key: Key, names: SceneNames) -> str:
 
 
 def _step(to: GraphWriter, iri: str, step: Step, holds: Collection[Key], names: SceneNames) -> None:
-    """Write what a step says, the rule it is by, and its premises."""
+    """Write what a step says, what it rests on, and its premises."""
     to.text(iri, TERM + "says", step.text)
-    if step.rule is not None:
-        to.text(iri, TERM + "ruleFile", step.rule.file)
-        to.whole(iri, TERM + "ruleLine", step.rule.line)
-    for number, reason in enumerate(_reasons(step, holds), 1):
+    if step.evidence is not None:
+        write_evidence(to, iri, step.evidence, names)
+    for number, (reason, by) in enumerate(_reasons(step, holds), 1):
         if _is_relation(reason, holds):
             to.link(iri, TERM + "premise", _derivation(_key(reason), names))
             continue
@@ -70,21 +74,29 @@ def _step(to: GraphWriter, iri: str, step: Step, holds: Collection[Key], names: 
         to.typed(premise, TERM + STEPS[reason.kind])
         if reason.margin is not None:
             to.number(premise, TERM + "margin", reason.margin)
-        if reason.axiom is not None:
-            to.whole(premise, TERM + "axiom", reason.axiom)
-        lengths = [one for one in reason.args if isinstance(one, (int, float))]
-        if len(lengths) == 1:
-            to.number(premise, TERM + "value", lengths[0])
+        _by(to, premise, by if reason.rule is None else reason)
         _step(to, premise, reason, holds, names)
 
 
-def _reasons(step: Step, holds: Collection[Key]) -> Iterator[Step]:
-    """Yield the nearest reasons that are relations or that a person needs; what is absent says its own."""
+def _by(to: GraphWriter, iri: str, step: Step) -> None:
+    """Write the rule that concludes a step or, of what no rule concludes, the one that asks for it."""
+    if step.rule is not None:
+        to.text(iri, TERM + "ruleFile", step.rule.file)
+        to.whole(iri, TERM + "ruleLine", step.rule.line)
+    if step.axiom is not None:
+        to.whole(iri, TERM + "axiom", step.axiom)
+
+
+def _reasons(step: Step, holds: Collection[Key]) -> Iterator[tuple[Step, Step]]:
+    """Yield the nearest reasons that are relations or that a person needs, each with the step it is asked by.
+
+    What is absent says its own.
+    """
     if step.kind == "negation":
         return
     for child in step.children:
         if child.shown or _is_relation(child, holds):
-            yield child
+            yield child, step
         else:
             yield from _reasons(child, holds)
 

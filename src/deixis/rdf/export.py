@@ -52,7 +52,8 @@ def quads(kb: Knowledge, *, proofs: bool = True, view: str | None = None) -> lis
     ----------
     kb : KnowledgeBase
     proofs : bool
-        Whether derivations say by which steps; their axioms and margins are given in any case.
+        Whether derivations say by which steps, and what was measured for each; their axioms and margins are
+        given in any case.
     view : str, optional
         Only this view's horizontal relations.
     """
@@ -64,7 +65,8 @@ def quads(kb: Knowledge, *, proofs: bool = True, view: str | None = None) -> lis
     )
     write_things(scene, kb.scene, names, kb.measured_as)
     write_metadata(metadata, kb, names)
-    write_derivations(derivations, found, names, kb.proofs(relation=asked) if proofs else None)
+    told = kb.proofs(relation=asked, evidence=True) if proofs else None
+    write_derivations(derivations, found, names, told)
     return _joined([scene, metadata, derivations], found, names)
 
 

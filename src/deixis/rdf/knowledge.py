@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Protocol
 
+from deixis.evidence import Evidence
 from deixis.facts import Facts, RegionModel, SolidModel
 from deixis.ruleset import Ruleset
 from deixis.scene import Scene
@@ -66,6 +67,8 @@ class Step(Protocol):
     @property
     def shown(self) -> bool: ...  # noqa: D102
     @property
+    def evidence(self) -> Evidence | None: ...  # noqa: D102
+    @property
     def children(self) -> Sequence[Step]: ...  # noqa: D102
 
 
@@ -88,4 +91,6 @@ class Knowledge(Protocol):
     def relations(  # noqa: D102
         self, *, view: str | None = ..., relation: Iterable[str] | None = ...
     ) -> Sequence[Holds]: ...
-    def proofs(self, *, relation: Iterable[str] | None = ...) -> Mapping[tuple[str, ...], Step]: ...  # noqa: D102
+    def proofs(  # noqa: D102
+        self, *, relation: Iterable[str] | None = ..., evidence: bool = ...
+    ) -> Mapping[tuple[str, ...], Step]: ...

@@ -52,7 +52,9 @@ class _Drawing:
         """Draw a step and all below it, unless it is there; return its number."""
         place = None if step.rule is None else (step.rule.file, step.rule.line)
         key = (step.kind, step.predicate, step.args, step.text, step.margin, place)
-        if key in self._known:
+        # The same two numbers may be compared of other things.
+        named = any(isinstance(one, str) for one in step.args)
+        if named and key in self._known:
             return self._known[key]
         number = self._known[key] = len(self.nodes)
         failed = step.margin is not None and step.margin < 0.0

@@ -21,10 +21,12 @@ _OPEN: Final = 2
 
 _STYLE: Final = """\
 .deixis-why { font: 0.95rem/1.45 system-ui, sans-serif; max-width: 60rem; color-scheme: light dark;
-  --text: #1c1e21; --dim: #5b6068; --line: #d4d7dc; --mark: #0b57d0; --ill: #a8071a; color: var(--text) }
+  padding: 0.6em 0.8em; background: var(--ground); --ground: #fff; --text: #1c1e21; --dim: #5b6068;
+  --line: #d4d7dc; --mark: #0b57d0; --ill: #a8071a; color: var(--text) }
 @media (prefers-color-scheme: dark) {
-  .deixis-why { --text: #e8eaed; --dim: #a6abb3; --line: #454a52; --mark: #8ab4f8; --ill: #ff9c92 } }
-.deixis-why p { margin: 0.4em 0; font-weight: 600 }
+  .deixis-why { --ground: #1b1d21; --text: #e8eaed; --dim: #a6abb3; --line: #454a52; --mark: #8ab4f8;
+    --ill: #ff9c92 } }
+.deixis-why h2 { margin: 0.4em 0; font-size: 1em }
 .deixis-why ul { list-style: none; margin: 0; padding: 0 0 0 0.6em; border-left: 1px solid var(--line) }
 .deixis-why li { margin: 0.15em 0; padding-left: 0.4em }
 .deixis-why summary { cursor: pointer }
@@ -48,11 +50,11 @@ def fragment(parts: Iterable[Part]) -> str:
     Examples
     --------
     >>> print(fragment([("Nothing is <b>known</b>.", ())]).splitlines()[-2])
-    <p>Nothing is &lt;b&gt;known&lt;/b&gt;.</p>
+    <h2>Nothing is &lt;b&gt;known&lt;/b&gt;.</h2>
     """
     lines = [f"<style>\n{_STYLE}</style>"]
     for heading, steps in parts:
-        lines.append(f"<p>{_text(heading)}</p>")
+        lines.append(f"<h2>{_text(heading)}</h2>")
         lines += _listed(steps, 0)
     return '<div class="deixis-why">\n' + "\n".join(lines) + "\n</div>"
 
@@ -113,8 +115,8 @@ def _notes(step: Step) -> str:
         notes.append(f"<small>{_text(step.rule.file)}:{step.rule.line}</small>")
     if step.margin is not None:
         fails = ' class="fails"' if step.margin < 0.0 else ""
-        says = "short by" if step.margin < 0.0 else "to spare"
-        notes.append(f"<small{fails}>{says} {_text(amount(abs(step.margin), 'm'))}</small>")
+        spare = amount(abs(step.margin), "m")
+        notes.append(f"<small{fails}>{f'short by {spare}' if fails else f'{spare} to spare'}</small>")
     return "".join(notes)
 
 

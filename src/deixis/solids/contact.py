@@ -62,10 +62,11 @@ class Separation:
 
 @dataclass(frozen=True, slots=True)
 class _Shape:
-    """A solid as FCL sees it: once to stand still, once to be moved about."""
+    """A solid as FCL sees it: once to stand still, once to be moved about; a mesh or a convex hull."""
 
     still: Any
     moved: Any
+    mesh: bool
 
 
 _HULLS: WeakKeyDictionary[Hull, _Shape] = WeakKeyDictionary()
@@ -152,9 +153,9 @@ def _fcl() -> Any:
     return fcl
 
 
-def _shape(geometry: Any) -> _Shape:
+def _shape(geometry: Any, *, mesh: bool) -> _Shape:
     fcl = _fcl()
-    return _Shape(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry))
+    return _Shape(fcl.CollisionObject(geometry), fcl.CollisionObject(geometry), mesh)
 
 
 def _hull_shape(solid: Solid) -> _Shape:
@@ -163,7 +164,7 @@ def _hull_shape(solid: Solid) -> _Shape:
     if found is None:
         corners = np.column_stack([np.full(len(hull.faces), 3), hull.faces])
         geometry = _fcl().Convex(np.array(hull.points), len(corners), corners.reshape(-1))
-        found = _HULLS[hull] = _shape(geometry)
+        found = _HULLS[hull] = _shape(geometry, mesh=False)
     return found
 
 
@@ -176,7 +177,7 @@ def _matter_shape(solid: Solid) -> _Shape:
         geometry.beginModel(len(solid.vertices), len(solid.faces))
         geometry.addSubModel(solid.vertices, solid.faces)
         geometry.endModel()
-        found = _MESHES[solid] = _shape(geometry)
+        found = _MESHES[solid] = _shape(geometry, mesh=True)
     return found
 
 
@@ -189,6 +190,9 @@ def _distance(a: _Shape, b: _Shape, pose: Pose) -> tuple[float, Array, Array]:
         a.moved.setTransform(fcl.Transform(pose.matrix, pose.shift))
         distance = float(fcl.distance(a.moved, b.still, request, result))
     at_a, at_b = result.nearest_points
+    if b.mesh and not a.mesh:
+        # Asked for a convex shape and a mesh, FCL measures mesh and shape, and tells the mesh's point first.
+        at_a, at_b = at_b, at_a
     return distance, at_a, at_b
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Final
 
 import numpy as np
@@ -15,6 +16,9 @@ from deixis.solids.solid import Pose, Solid, Solids
 
 _LIFT: Final = 1.0e-3
 """Metres by which solids that touch are parted, to ask where they are nearest."""
+
+_GOOD: Final = 1.0e-6
+"""Metres: nearest points that differ by less from what was measured are right."""
 
 
 def touching_points(scene: Scene, facts: Facts, rows: Index) -> Array:
@@ -48,9 +52,22 @@ def _point(a: Solid, b: Solid, pose: Pose, separation: float, normal: Array, far
     hulls = separation > far
     away = np.zeros(3) if separation > _LIFT else (_LIFT - separation) * normal
     parted = Pose(pose.cos, pose.sin, pose.shift + away)
-    distance, at_a, _ = nearest(a, b, parted, hulls=hulls)
-    if distance > 0.0:
-        return np.asarray(at_a - away)
+    wanted = separation * normal + away
+    best, misfit, met = np.zeros(3), np.inf, False
+    # FCL's points are not always as good as its distances: those are taken that say what was measured.
+    for of_hulls, turned in product((hulls, True), (False, True)):
+        if turned:
+            distance, at_b, at_a = nearest(b, a, parted.back, hulls=of_hulls)
+            at_a, at_b = parted.place(np.stack([at_a, at_b]))
+        else:
+            distance, at_a, at_b = nearest(a, b, parted, hulls=of_hulls)
+        error = float(np.linalg.norm(at_a - at_b - wanted))
+        if distance > 0.0 and error < misfit:
+            best, misfit, met = at_a, error, True
+        if misfit < _GOOD:
+            break
+    if met:
+        return np.asarray(best - away)
     # The depth of meshes is an estimate from below: moved out by it, they may still meet.
     corners = pose.place(a.hull.corners)
     return np.asarray(corners[(corners @ normal).argmin()])
