@@ -6,7 +6,7 @@ PYTEST := $(BIN)/pytest -n $(WORKERS) --dist loadfile
 LOCK := UV_CUSTOM_COMPILE_COMMAND="make lock" uv pip compile --quiet --universal --python-version 3.11 \
 	--generate-hashes --fork-strategy fewest --all-extras pyproject.toml
 
-.PHONY: help setup demo shell doctor test test-long bench check lint rules page wheel lock clean
+.PHONY: help setup demo shell doctor test test-long bench check lint rules page pictures wheel lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -45,6 +45,9 @@ rules: .venv/.dev ## load every rule file without a warning and run its PlUnit t
 
 page: .venv/.runtime ## the pages of `deixis view` and `deixis serve` (npm)
 	@sh .ci/page.sh
+
+pictures: .venv/.dev page ## the README's pictures of the page, taken anew (Chromium)
+	$(BIN)/python tests/screenshots.py
 
 wheel: .venv/.dev page ## dist/: the source archive and the wheel
 	$(BIN)/python -m build --no-isolation

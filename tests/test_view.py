@@ -6,6 +6,7 @@ import base64
 import hashlib
 import json
 import re
+import shlex
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,6 +24,7 @@ from deixis.view import available, framed, page_html
 from deixis.view.html import PLAIN, packed
 from deixis.view.reasons import KINDS
 from deixis.view.shapes import FACES, POINTS, TOTAL, shapes
+from readme import blocks
 from scenes import box, floor, scene
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -170,6 +172,16 @@ def test_the_page_is_small_and_names_its_licences() -> None:
     assert len(page.encode()) < 1_600_000
     for words in ("three 0.", "cytoscape 3.", "Permission is hereby granted"):
         assert words in page
+
+
+@built
+def test_the_readme_s_command_writes_it(tmp_path: Path) -> None:
+    (block,) = blocks("shell")
+    name, *words = shlex.split(block["text"])
+    assert (name, words[-1]) == ("deixis", "scene.html")
+    result = run(*words[:-1], tmp_path / words[-1], cwd=ROOT)
+    assert (result.code, result.out) == (0, "")
+    assert (tmp_path / "scene.html").read_text(encoding="utf-8").endswith("</html>\n")
 
 
 @built

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import random
 import time
@@ -16,6 +17,7 @@ from deixis import KnowledgeBase, Scene
 from deixis.view import framed, page_html
 from endpoint import HANS, serving
 from scenes import box, floor, scene
+from screenshots import PICTURES, SHOTS, shot
 
 pytestmark = [*needs_browser, pytest.mark.xdist_group("browser")]
 
@@ -325,6 +327,43 @@ def test_the_server_shows_it(chromium: Browser) -> None:
         link.wait_for(timeout=10_000)
         assert link.get_attribute("href") == "/scenes/hans/view"
         page.close()
+
+
+DIFFERENT = """
+async ([one, other]) => {
+  const pixels = async (text) => {
+    const image = new Image();
+    image.src = "data:image/png;base64," + text;
+    await image.decode();
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height] = [image.width, image.height];
+    const drawing = copy.getContext("2d");
+    drawing.drawImage(image, 0, 0);
+    return drawing.getImageData(0, 0, copy.width, copy.height).data;
+  };
+  const [a, b] = [await pixels(one), await pixels(other)];
+  if (a.length !== b.length) return 1;
+  let count = 0;
+  for (let at = 0; at < a.length; at += 4) {
+    const apart = [0, 1, 2].map((one) => Math.abs(a[at + one] - b[at + one]));
+    if (apart[0] + apart[1] + apart[2] > 60) count += 1;
+  }
+  return count / (a.length / 4);
+}
+"""
+"""Which share of the pixels of two pictures differ by more than letters drawn a little otherwise."""
+
+
+@pytest.mark.parametrize("name", list(SHOTS))
+def test_the_pictures_of_the_readme_are_current(chromium: Browser, tmp_path: Path, name: str) -> None:
+    """If it fails for a good reason: python tests/screenshots.py."""
+    kept = (PICTURES / f"{name}.png").read_bytes()
+    assert len(kept) < 200_000
+    taken = shot(chromium, name, tmp_path)
+    page = chromium.new_page()
+    both = [base64.b64encode(one).decode() for one in (kept, taken)]
+    assert page.evaluate(DIFFERENT, both) < 0.05
+    page.close()
 
 
 def crowd(things: int, side: float) -> Scene:
