@@ -14,8 +14,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from deixis.knowledge import KnowledgeBase, Relation
+from deixis.knowledge import KnowledgeBase
 from deixis.readers import ithor, read, virtualhome
+from deixis.relations import Relation
 from deixis.scene import Scene
 
 Pair = tuple[str, str]

@@ -1,4 +1,4 @@
-"""One source of rules, three engines: SWI-Prolog, DuckDB and a triple store find the same."""
+"""One source of rules, four engines: SWI-Prolog, DuckDB, arrays and a triple store find the same."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ from hypothesis import strategies as st
 
 from commands import call, run
 from deixis._files import datalog_files, theory_files
+from deixis.arrays import ArrayExecutor, TooMany
+from deixis.engines import AutoExecutor
 from deixis.errors import GeometryError, QueryError, QueryTimeout, RuleError
 from deixis.facts import Facts
 from deixis.knowledge import KnowledgeBase
@@ -91,9 +93,9 @@ def test_golden_scenes_by_all_engines_to_the_byte(name: str) -> None:
     for form in ("table", "json", "pl"):
         told = {
             engine: call("relations", GOLDEN[name], *options, "--format", form, "--engine", engine)
-            for engine in ("duckdb", "prolog", "sparql")
+            for engine in ("auto", "arrays", "duckdb", "prolog", "sparql")
         }
-        assert told["duckdb"] == told["prolog"] == told["sparql"]
+        assert len(set(told.values())) == 1
         assert told["duckdb"].out
 
 
@@ -126,6 +128,7 @@ def test_every_predicate_of_the_theory_by_all_engines(
         one: table.rows()
         for one, table in sql.run(kb.facts, wanted, view_labels=labels(kb), margins=False).items()
     }
+    arrays = ArrayExecutor(theory).run(kb.facts, wanted, view_labels=labels(kb))
     by_sparql = SparqlExecutor(theory).run(kb.facts, wanted, view_labels=labels(kb))
     by_prolog = {
         (name, arity): sorted(
@@ -134,7 +137,7 @@ def test_every_predicate_of_the_theory_by_all_engines(
         )
         for (name, arity), rows in zip(wanted, engine.relations(wanted).values(), strict=True)
     }
-    assert by_sql == by_sparql == by_prolog
+    assert by_sql == by_sparql == by_prolog == {one: table.rows() for one, table in arrays.items()}
 
 
 # Random rules
@@ -176,12 +179,15 @@ def differences(
             for one, table in zip(program.wanted, tables, strict=True)
         }
         found = SqlExecutor(ruleset, beside=sql).run(kb.facts, program.wanted, margins=margins)
+        by_arrays = ArrayExecutor(ruleset).run(kb.facts, program.wanted, margins=margins)
         assert by_prolog == rows, program.text
+        assert {one: table.rows() for one, table in by_arrays.items()} == rows, program.text
         assert {one: table.rows() for one, table in found.items()} == rows, program.text
         assert SparqlExecutor(ruleset).run(kb.facts, program.wanted) == rows, program.text
         if margins:
             widest = {one: dict(table.named()) for one, table in found.items()}
             assert widest == {one: expected.truth[one] for one in program.wanted}, program.text
+            assert widest == {one: dict(table.named()) for one, table in by_arrays.items()}, program.text
 
 
 @given(seed=st.integers(0, 2**63))
@@ -316,6 +322,7 @@ def test_hostile_ids_come_back_from_all_engines(
     wanted = [("surface", 1)]
     expected = [(one,) for one in ids]
     assert sql.run(facts, wanted)["surface", 1].rows() == expected
+    assert ArrayExecutor(theory).run(facts, wanted)["surface", 1].rows() == expected
     assert SparqlExecutor(theory).run(facts, wanted)["surface", 1] == expected
     engine.load(facts_text(facts))
     assert sorted((str(row[0]),) for row in engine.relations(wanted)["surface"]) == expected
@@ -333,6 +340,8 @@ def test_hostile_names_in_rules(files: list[RuleFile], sql: SqlExecutor, small: 
     told = SparqlExecutor(ruleset).run(facts, wanted)
     assert found["p", 2].rows() == told["p", 2] == sorted(zip(ids, reversed(ids), strict=True))
     assert found["q", 1].rows() == told["q", 1] == [(one,) for one in ids]
+    by_arrays = ArrayExecutor(ruleset).run(facts, wanted)
+    assert [by_arrays[one].rows() for one in wanted] == [found[one].rows() for one in wanted]
 
 
 def test_predicates_with_odd_names(files: list[RuleFile], sql: SqlExecutor, small: list[Any]) -> None:
@@ -343,7 +352,9 @@ def test_predicates_with_odd_names(files: list[RuleFile], sql: SqlExecutor, smal
     wanted = sorted(ruleset.user)
     found = SqlExecutor(ruleset, beside=sql).run(small[0][0].facts, wanted)
     told = SparqlExecutor(ruleset).run(small[0][0].facts, wanted)
+    by_arrays = ArrayExecutor(ruleset).run(small[0][0].facts, wanted)
     assert {one: table.rows() for one, table in found.items()} == told
+    assert {one: table.rows() for one, table in by_arrays.items()} == told
     assert told["select", 1] == [("y",)]
 
 
@@ -378,10 +389,10 @@ def own(tmp_path: Path) -> Path:
 
 def test_own_rules_by_all_engines(own: Path) -> None:
     told = {}
-    for name in ("duckdb", "prolog", "sparql"):
+    for name in ("arrays", "duckdb", "prolog", "sparql"):
         options = ("--rules", own, "--relation", "over", "--relation", "hidden", "--format", "csv")
         told[name] = call("relations", GOLDEN["figure_3"], *options, "--engine", name)
-    assert told["duckdb"] == told["prolog"] == told["sparql"]
+    assert told["arrays"] == told["duckdb"] == told["prolog"] == told["sparql"]
     assert "over,sweater,floor,,0.02" in told["duckdb"].out
     assert "hidden," in told["duckdb"].out
 
@@ -407,7 +418,7 @@ def test_own_rules_are_asked_and_explained(own: Path) -> None:
 def test_own_rules_are_checked_before_any_engine_runs(tmp_path: Path) -> None:
     bad = tmp_path / "bad.pl"
     bad.write_text("p(X, Y) :- near(X, Y), shell(X).\nq(X, Y) :- nearr(X, Y).\n", encoding="utf-8")
-    for engine in ("duckdb", "prolog", "sparql"):
+    for engine in ("arrays", "duckdb", "prolog", "sparql"):
         told = call("relations", GOLDEN["figure_3"], "--rules", bad, "--engine", engine)
         assert (told.code, told.out) == (2, "")
         assert "'shell' is not in the subset" in told.err
@@ -432,14 +443,15 @@ def test_relations_need_no_prolog(root: Path) -> None:
     assert "leans_on" in told.stdout
 
 
-def test_only_duckdb_is_imported_for_relations() -> None:
+@pytest.mark.parametrize("engine", ["auto", "arrays", "duckdb"])
+def test_only_what_is_needed_is_imported_for_relations(engine: str) -> None:
     code = (
         "import sys; from deixis.knowledge import KnowledgeBase; "
-        f"KnowledgeBase.from_scene({str(GOLDEN['figure_3'])!r}).relations(); "
+        f"KnowledgeBase.from_scene({str(GOLDEN['figure_3'])!r}).relations(engine={engine!r}); "
         "print(sorted({'duckdb', 'pyswip', 'pyoxigraph', 'pandas', 'pyarrow'} & set(sys.modules)))"
     )
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert told.stdout == "['duckdb']\n"
+    assert told.stdout == ("['duckdb']\n" if engine == "duckdb" else "[]\n")
 
 
 def test_without_a_triple_store_the_remedy_is_named() -> None:
@@ -467,11 +479,13 @@ def test_the_database_is_closed_to_the_world(sql: SqlExecutor, tmp_path: Path) -
             sql._connection.execute(statement)
 
 
-def test_numbers_must_be_finite(sql: SqlExecutor) -> None:
+def test_numbers_must_be_finite(sql: SqlExecutor, theory: Ruleset) -> None:
     facts = KnowledgeBase.from_scene(GOLDEN["cup_on_table"]).facts
     facts.pairs.separation[0] = math.nan
     with pytest.raises(GeometryError, match="not a finite number"):
         sql.run(facts, [("touches", 2)])
+    with pytest.raises(GeometryError, match="not a finite number"):
+        ArrayExecutor(theory).run(facts, [("touches", 2)])
 
 
 def test_a_question_that_takes_too_long_is_stopped(files: list[RuleFile], sql: SqlExecutor) -> None:
@@ -486,6 +500,21 @@ def test_a_question_that_takes_too_long_is_stopped(files: list[RuleFile], sql: S
     assert sql.run(facts, [("near", 2)])["near", 2].rows()
     with pytest.raises(QueryTimeout):
         SparqlExecutor(ruleset).run(facts, [("q", 1)], timeout=0.0)
+    with pytest.raises(QueryTimeout, match="within 0 s"):
+        ArrayExecutor(ruleset).run(facts, [("q", 1)], timeout=0.0)
+
+
+def test_what_is_too_much_for_arrays_is_left_to_duckdb(files: list[RuleFile]) -> None:
+    text = "".join(f"n(n{at}).\n" for at in range(300))
+    text += "q(A, B) :- n(A), n(B), n(C), A \\== B, B == C."
+    file, _ = read_text(text, Path("wide.pl"))
+    ruleset, problems = assemble(files, [file])
+    assert problems == []
+    facts = KnowledgeBase.from_scene(GOLDEN["cup_on_table"]).facts
+    with pytest.raises(TooMany, match="26,910,000 rows at once"):
+        ArrayExecutor(ruleset).run(facts, [("q", 2)])
+    with AutoExecutor(ruleset) as executor:
+        assert len(executor.run(facts, [("q", 2)])["q", 2]) == 300 * 299
 
 
 def test_long_chains_of_rules(files: list[RuleFile], sql: SqlExecutor) -> None:
@@ -496,6 +525,8 @@ def test_long_chains_of_rules(files: list[RuleFile], sql: SqlExecutor) -> None:
     facts = KnowledgeBase.from_scene(GOLDEN["cup_on_table"]).facts
     found = SqlExecutor(ruleset, beside=sql).run(facts, [("p0", 1), ("p399", 1)])
     assert found["p0", 1].rows() == found["p399", 1].rows() == [("floor",)]
+    by_arrays = ArrayExecutor(ruleset).run(facts, [("p0", 1), ("p399", 1)])
+    assert by_arrays["p0", 1].rows() == by_arrays["p399", 1].rows() == [("floor",)]
 
 
 def test_an_executor_serves_many_threads(sql: SqlExecutor) -> None:

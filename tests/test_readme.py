@@ -16,7 +16,7 @@ import pytest
 
 from commands import run
 from deixis import Scene
-from deixis.cli import questions, view  # noqa: F401 - these add their commands
+from deixis.cli import maps, questions, view  # noqa: F401 - they add their commands
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from endpoint import serving
@@ -58,7 +58,8 @@ def test_python_prints_what_the_readme_shows(number: int, root: Path) -> None:
 
 def test_the_server_answers_what_the_readme_shows(root: Path) -> None:
     """The first line starts the server, which here is on another port."""
-    (shell,), (client,) = blocks("bash"), blocks("py")
+    (shell,) = (one for one in blocks("bash") if one["text"].startswith("deixis serve"))
+    (client,) = blocks("py")
     first, commands = shell["text"].split("\n", 1)
     _, name, *scenes, _ = first.split()
     assert name == "serve"
@@ -75,6 +76,15 @@ def test_the_server_answers_what_the_readme_shows(root: Path) -> None:
                 shown_after(block),
                 done.stdout.replace("\r\n", "\n").replace("}{", "}\n{").rstrip("\n") + "\n",
             )
+
+
+def test_the_map_tells_what_the_readme_shows(root: Path, tmp_path: Path) -> None:
+    """The commands are run where they may leave a file."""
+    (block,) = (one for one in blocks("bash") if one["text"].startswith("deixis map"))
+    (tmp_path / "kb").symlink_to(root / "kb")
+    results = [run(*shlex.split(line)[1:], cwd=tmp_path) for line in block["text"].splitlines()]
+    assert {result.code for result in results} == {0}
+    check(shown_after(block), "".join(result.out for result in results).expandtabs())
 
 
 def test_prolog_answers_what_the_readme_shows(root: Path) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from deixis.knowledge import datalog_files
+from deixis._files import datalog_files
 from deixis.ruleset import SHIPPED, load, locate
 from deixis.thresholds import Thresholds
 from deixis.vocabulary import BASE, RELATIONS, TERMS

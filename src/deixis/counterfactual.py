@@ -28,7 +28,7 @@ from deixis.strict_json import quoted
 
 if TYPE_CHECKING:
     from deixis.ruleset import Indicator
-    from deixis.sql import SqlExecutor
+    from deixis.ruleset.tables import Executor
 
 Row = tuple[str, ...]
 
@@ -135,7 +135,7 @@ def named_fact(goal: str, known: Sequence[str], predicates: Callable[[str], Sequ
     return (head.name, *names)
 
 
-def smallest_change(scene: Scene, facts: Facts, executor: SqlExecutor, goal: Row) -> Change | None:
+def smallest_change(scene: Scene, facts: Facts, executor: Executor, goal: Row) -> Change | None:
     """Return the smallest translation found of a goal's figure that makes it true or, if it is, false.
 
     Tried are the directions of the world, of the boxes and views concerned, and of the contacts of the
@@ -147,7 +147,7 @@ def smallest_change(scene: Scene, facts: Facts, executor: SqlExecutor, goal: Row
     scene : Scene
     facts : Facts
         Of the scene.
-    executor : SqlExecutor
+    executor : Executor
         Of the rules.
     goal : tuple of str
         A predicate's name, then its arguments: names all of them.
@@ -238,7 +238,7 @@ def _first_changes(
 class _Asked:
     """A question about one thing, to be asked for many places of it."""
 
-    def __init__(self, scene: Scene, facts: Facts, executor: SqlExecutor, goal: Row, figure: str) -> None:
+    def __init__(self, scene: Scene, facts: Facts, executor: Executor, goal: Row, figure: str) -> None:
         self._scene, self._facts, self._executor = scene, facts, executor
         self._goal, self._figure = goal, figure
         self._predicate: Indicator = (goal[0], len(goal) - 1)

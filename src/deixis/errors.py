@@ -26,6 +26,10 @@ class ReaderError(DeixisError):
     """A file cannot be read as the format it was said to be."""
 
 
+class MapError(DeixisError):
+    """A semantic map cannot be opened, read or written; what was told of it before is kept."""
+
+
 class ThresholdError(DeixisError):
     """A threshold is not a finite number in its allowed range."""
 

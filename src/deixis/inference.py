@@ -21,10 +21,10 @@ from deixis.scene import Scene
 from deixis.vocabulary import RELATIONS
 
 if TYPE_CHECKING:
-    from deixis.engines import Engine, Found
+    from deixis.engines import AutoExecutor, Engine, Found
     from deixis.prolog import Answers, PrologEngine
     from deixis.ruleset import Indicator, Ruleset
-    from deixis.sql import SqlExecutor
+    from deixis.ruleset.tables import Executor
 
 
 class Inference:
@@ -64,9 +64,9 @@ class Inference:
 
     def close(self) -> None:
         """Stop the logic engines, if they were started."""
-        sql: SqlExecutor | None = self.__dict__.pop("_sql", None)
-        if sql is not None:
-            sql.close()
+        executor: AutoExecutor | None = self.__dict__.pop("_executor", None)
+        if executor is not None:
+            executor.close()
         if self._engine is not None:
             self._engine.close()
             self._engine = None
@@ -152,7 +152,7 @@ class Inference:
         view: str | None = None,
         relation: Iterable[str] | None = None,
         timeout: float = 60.0,
-        engine: Engine = "duckdb",
+        engine: Engine = "auto",
     ) -> tuple[Relation, ...]:
         """Return the relations that hold, in the order of the vocabulary, then by ids.
 
@@ -166,8 +166,8 @@ class Inference:
             are given when named; a third argument is taken for the view.
         timeout : float
             Seconds.
-        engine : {"duckdb", "prolog", "sparql"}
-            What derives them; the answer is the same.
+        engine : {"auto", "arrays", "duckdb", "prolog", "sparql"}
+            What derives them; the answer is the same. By default arrays, or DuckDB for maps.
 
         Raises
         ------
@@ -194,15 +194,21 @@ class Inference:
 
         if engine == "prolog":
             return engines.by_prolog(self.engine, wanted, timeout)
-        derived = engines.by_sparql if engine == "sparql" else engines.by_sql
         labels = [(one.id, one.label) for one in self.scene.views]
-        return derived(self._sql, self.facts, labels, wanted, timeout)
+        if engine == "sparql":
+            return engines.by_sparql(self._executor, self.facts, labels, wanted, timeout)
+        executor: Executor = self._executor
+        if engine == "arrays":
+            executor = self._executor.arrays
+        elif engine == "duckdb":
+            executor = self._executor.sql
+        return engines.by_tables(executor, self.facts, labels, wanted, timeout)
 
     @cached_property
-    def _sql(self) -> SqlExecutor:
-        from deixis.sql import SqlExecutor
+    def _executor(self) -> AutoExecutor:
+        from deixis.engines import AutoExecutor
 
-        return SqlExecutor(self.ruleset)
+        return AutoExecutor(self.ruleset)
 
     def _predicates(self, name: str) -> list[Indicator]:
         """Return the predicates that a relation's name stands for."""

@@ -106,7 +106,7 @@ class KnowledgeBase(Inference):
         self,
         *,
         view: str | None = None,
-        engine: Engine = "duckdb",
+        engine: Engine = "auto",
         reasons: bool = True,
         timeout: float = 60.0,
     ) -> Inspection:
@@ -119,7 +119,7 @@ class KnowledgeBase(Inference):
         ----------
         view : str, optional
             Look from this view only.
-        engine : {"duckdb", "prolog", "sparql"}
+        engine : {"auto", "arrays", "duckdb", "prolog", "sparql"}
             What derives the breaches; the answer is the same.
         reasons : bool
             Whether to give each breach a sentence and a proof, which needs SWI-Prolog.
@@ -184,7 +184,7 @@ class KnowledgeBase(Inference):
 
         known = [*self.facts.ids, *(view.id for view in self.scene.views)]
         fact = named_fact(goal, known, self._predicates)
-        return smallest_change(self.scene, self.facts, self._sql, fact)
+        return smallest_change(self.scene, self.facts, self._executor, fact)
 
     def what_if(self, moves: Mapping[str, Sequence[float]]) -> KnowledgeBase:
         """Return the knowledge base of the scene in which some things are moved by x, y, z metres."""

@@ -43,8 +43,8 @@ def main() -> int:
 
 def _run(stdout: TextIO) -> int:
     """Run one command to the last byte of its output; return its exit code."""
-    # These add their commands to those of the next.
-    from deixis.cli import questions, view  # noqa: F401
+    # The first three add their commands to those of the last.
+    from deixis.cli import maps, questions, view  # noqa: F401
     from deixis.cli.commands import app
 
     code: object = 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -24,10 +24,12 @@ from deixis.cli.output import (
     printable,
     printable_lines,
     records,
+    warn,
     write_csv,
     write_json,
     write_table,
 )
+from deixis.cli.shown import show_relations
 
 if TYPE_CHECKING:
     from deixis.knowledge import KnowledgeBase
@@ -75,10 +77,6 @@ RuleFiles = Annotated[
     ),
 ]
 
-RDF_FORMATS = (RelationFormat.TTL, RelationFormat.TRIG, RelationFormat.NQ, RelationFormat.JSONLD)
-
-RELATION_COLUMNS = ("relation", "figure", "reference", "view", "margin")
-
 _NAMED = 5
 """Things named in a message before it is cut short."""
 
@@ -86,6 +84,8 @@ _NAMED = 5
 class EngineName(StrEnum):
     """What derives relations."""
 
+    AUTO = "auto"
+    ARRAYS = "arrays"
     DUCKDB = "duckdb"
     PROLOG = "prolog"
     SPARQL = "sparql"
@@ -135,12 +135,6 @@ def open_scene(scene: Path, region: Region, rules: list[Path] | None = None) -> 
     return kb
 
 
-def warn(messages: Any) -> None:
-    """Say on stderr what should be known beside the answer."""
-    for message in messages:
-        print(f"deixis: {printable(message)}", file=sys.stderr)
-
-
 @app.command()
 def relations(
     scene: ScenePath,
@@ -154,34 +148,11 @@ def relations(
     rules: RuleFiles = None,
     engine: Annotated[
         EngineName, typer.Option(help="What derives them; all give the same.")
-    ] = EngineName.DUCKDB,
+    ] = EngineName.AUTO,
 ) -> None:
     """Print the relations that hold in a scene, each with its margin in metres."""
     with open_scene(scene, region, rules) as kb:
-        found = kb.relations(view=view, relation=relation, timeout=timeout, engine=engine.value)
-        if output is RelationFormat.JSON:
-            write_json(
-                {
-                    "scene": kb.scene.id,
-                    "measured_as": kb.measured_as,
-                    "relations": [one.to_dict() for one in found],
-                    "withheld": [one.to_dict() for one in kb.withheld if view in (None, one.view)],
-                }
-            )
-        elif output is RelationFormat.PL:
-            for one in found:
-                sys.stdout.write(one.to_prolog() + ".\n")
-        elif output in RDF_FORMATS:
-            from deixis.rdf.export import relations_text
-
-            sys.stdout.write(relations_text(kb, found, output.value))
-        else:
-            rows = records(RELATION_COLUMNS, [one.to_dict() for one in found])
-            (write_csv if output is RelationFormat.CSV else write_table)(RELATION_COLUMNS, rows)
-        noise = kb.scene.thresholds.pose_noise
-        unsure = sum(one.margin is not None and one.margin < noise for one in found)
-        if output is RelationFormat.TABLE and unsure:
-            warn([f"{unsure} of {len(found)} hold by less than the pose noise of {noise * 100:g} cm"])
+        found = show_relations(kb, output, view=view, relation=relation, timeout=timeout, engine=engine.value)
     if not found:
         raise typer.Exit(1)
 

@@ -81,3 +81,9 @@ def printable_lines(value: object) -> str:
 def records(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> list[list[Any]]:
     """Return the named columns of mappings as rows."""
     return [[row[column] for column in columns] for row in rows]
+
+
+def warn(messages: Iterable[object]) -> None:
+    """Say on stderr what should be known beside the answer."""
+    for message in messages:
+        print(f"deixis: {printable(message)}", file=sys.stderr)

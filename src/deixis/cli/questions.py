@@ -16,7 +16,6 @@ from deixis.cli.commands import (
     TextOrJson,
     app,
     open_scene,
-    warn,
 )
 from deixis.cli.explanations import (
     ExplanationFile,
@@ -24,7 +23,7 @@ from deixis.cli.explanations import (
     ExplanationOption,
     write_explanation,
 )
-from deixis.cli.output import printable, printable_lines, write_json
+from deixis.cli.output import printable, printable_lines, warn, write_json
 from deixis.errors import QueryError
 
 if TYPE_CHECKING:
@@ -92,7 +91,7 @@ def check(
     region: RegionOption = Region.BOX,
     engine: Annotated[
         EngineName, typer.Option(help="What derives the violations; all give the same.")
-    ] = EngineName.DUCKDB,
+    ] = EngineName.AUTO,
     output: ExplanationOption = ExplanationFormat.TEXT,
     to: ExplanationFile = None,
     brief: Annotated[bool, typer.Option("--brief", help="Without reasons: needs no SWI-Prolog.")] = False,

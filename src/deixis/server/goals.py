@@ -10,11 +10,11 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
+from deixis.engines import AutoExecutor
 from deixis.errors import QueryError
 from deixis.knowledge import KnowledgeBase
 from deixis.ruleset import Problem, Rule, RuleFile, assemble, read_text
 from deixis.ruleset.model import Atom, Negation, variables
-from deixis.sql import SqlExecutor
 
 LONGEST: Final = 4096
 """Characters of a goal."""
@@ -50,7 +50,7 @@ def answers(kb: KnowledgeBase, goal: str, limit: int, timeout: float) -> dict[st
     _refuse(problems)
     labels = [(view.id, view.label) for view in kb.scene.views]
     predicate = file.rules[0].head.predicate
-    with SqlExecutor(ruleset) as executor:
+    with AutoExecutor(ruleset) as executor:
         table = executor.run(kb.facts, [predicate], view_labels=labels, margins=False, timeout=timeout)[
             predicate
         ]

@@ -1,6 +1,7 @@
 """The rules as SQL on DuckDB: all relations of a scene at once, with their margins."""
 
-from deixis.sql.executor import SqlExecutor, Table
+from deixis.ruleset.tables import Table
+from deixis.sql.executor import SqlExecutor
 from deixis.sql.script import script
 
 __all__ = ["SqlExecutor", "Table", "script"]

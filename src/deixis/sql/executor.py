@@ -8,69 +8,25 @@ import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import Any, Final
 
 import duckdb
 import numpy as np
-from numpy.typing import NDArray
 
 from deixis.errors import EngineError, QueryTimeout
 from deixis.facts import Facts
-from deixis.frames import Array
-from deixis.ruleset import Indicator, Kind, Rule, Ruleset
+from deixis.ruleset import Indicator, Ruleset
 from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.columns import Columns, Symbols, base_columns
-from deixis.ruleset.model import Constant
-from deixis.sql.program import Program, Step
-from deixis.sql.rules_sql import Node
+from deixis.ruleset.plan import Node, Step
+from deixis.ruleset.tables import Table, listed
+from deixis.sql.program import Program
 
 _SETTINGS: Final = {
     "autoinstall_known_extensions": "false",
     "autoload_known_extensions": "false",
     "enable_external_access": "false",
 }
-
-
-@dataclass(frozen=True)
-class Table:
-    """All rows of one predicate.
-
-    Attributes
-    ----------
-    kinds : tuple of {"name", "number", "string"}
-        Of the columns.
-    columns : tuple of (n,) array
-        Numbers as they are; names and strings by their number in ``symbols``.
-    margins : (n,) float or None
-        Beside each row the metres by which a length would have to change for it to cease, infinite where
-        no length decides; None where no margins were asked for.
-    symbols : Symbols
-    """
-
-    kinds: tuple[Kind, ...]
-    columns: tuple[NDArray[np.int64] | Array, ...]
-    margins: Array | None
-    symbols: Symbols
-
-    def __len__(self) -> int:
-        return len(self.columns[0])
-
-    def rows(self) -> list[tuple[str | float, ...]]:
-        """Return the rows with their names, sorted."""
-        return sorted(self._named())
-
-    def named(self) -> Iterator[tuple[tuple[str | float, ...], float]]:
-        """Yield each row with its names, and its margin."""
-        margins = np.full(len(self), np.inf) if self.margins is None else self.margins
-        return zip(self._named(), margins.tolist(), strict=True)
-
-    def _named(self) -> Iterator[tuple[str | float, ...]]:
-        values: list[Sequence[str | float]] = [
-            column.tolist() if kind == "number" else self.symbols.texts(column)
-            for kind, column in zip(self.kinds, self.columns, strict=True)
-        ]
-        return zip(*values, strict=True)
 
 
 _AGAIN: Final = 0.01
@@ -164,7 +120,7 @@ class SqlExecutor:
             tables = {
                 name: base_columns(one, facts, view_labels, symbols)
                 if one in BASE_FACTS
-                else _listed(program.given[one], self.ruleset.kinds[one], symbols)
+                else listed(program.given[one], self.ruleset.kinds[one], symbols)
                 for one, name in program.given_tables.items()
             }
             limits = {name: value for name, value in facts.thresholds.items() if name in program.thresholds}
@@ -291,21 +247,6 @@ def _database(threads: int | None) -> duckdb.DuckDBPyConnection:
 def _first(program: Program, node: Node, step: Step) -> list[str]:
     """Return the SELECTs of a node, which in a recursive step find nothing in tables not made yet."""
     return list(program.selects(node)) if not step.recursive else list(program.seeds(node, step.nodes))
-
-
-def _listed(rules: Sequence[Rule], kinds: Sequence[Kind], symbols: Symbols) -> Columns:
-    """Return facts that are written in rule files as columns, each once."""
-    rows = dict.fromkeys(
-        tuple(one.value for one in rule.head.args if isinstance(one, Constant)) for rule in rules
-    )
-    columns: Columns = {}
-    for at, kind in enumerate(kinds):
-        values = [row[at] for row in rows]
-        if kind == "number":
-            columns[f"a{at}"] = np.array(values, dtype=np.float64)
-        else:
-            columns[f"a{at}"] = symbols.codes(str(value) for value in values)
-    return columns
 
 
 def _tables(program: Program, found: Mapping[str, Any], symbols: Symbols) -> dict[Indicator, Table]:

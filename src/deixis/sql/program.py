@@ -4,35 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
 from deixis.ruleset import Indicator, Rule, Ruleset
-from deixis.ruleset.model import Atom, Comparison, Constant, Expression, Goal, Negation
-from deixis.ruleset.unfold import unfolded
-from deixis.sql.rules_sql import INFINITE, Mode, Names, Node, RuleSql, columns_of
+from deixis.ruleset.model import Atom
+from deixis.ruleset.plan import Mode, Node, Plan
+from deixis.sql.rules_sql import INFINITE, Names, RuleSql, columns_of
 
 MOST_AT_ONCE: Final = 100
 """Tables that one statement derives; DuckDB takes no more than some hundreds, one on the other."""
 
 
-@dataclass(frozen=True, slots=True)
-class Step:
-    """Tables that are computed together.
-
-    Attributes
-    ----------
-    nodes : tuple of Node
-    recursive : bool
-        Whether they rest on each other.
-    """
-
-    nodes: tuple[Node, ...]
-    recursive: bool
-
-
-class Program:
+class Program(Plan):
     """The statements that derive some predicates from the facts.
 
     Parameters
@@ -45,29 +29,22 @@ class Program:
     """
 
     def __init__(self, ruleset: Ruleset, wanted: Sequence[Indicator], *, margins: bool) -> None:
-        self.ruleset, self.wanted, self.margins = ruleset, tuple(wanted), margins
-        written = unfolded(ruleset)
-        every, self._once = written.rules, written.once
-        self._rules = {one: tuple(rule for rule in rules if rule.body) for one, rules in every.items()}
-        self.given = {one: tuple(rule for rule in rules if not rule.body) for one, rules in every.items()}
+        super().__init__(ruleset, wanted, margins=margins)
         self.thresholds: set[str] = set()
         self._read: set[str] = set()
         self._alike: dict[str, list[Indicator]] = {}
         for one in sorted(ruleset.kinds):
             self._alike.setdefault(_plain(one), []).append(one)
-        needed = self._needed()
-        self.steps = tuple(self._ordered(needed))
-        self.constants = tuple(sorted(set(self._constants(needed))))
         self.names = Names(
-            tables=self._tables(needed),
-            has_margin=frozenset(n for n in needed if margins and self._rules.get(n[0])),
+            tables=self._tables(),
+            has_margin=frozenset(n for n in self.needed if margins and self.rules.get(n[0])),
             codes={text: -1 - at for at, text in enumerate(self.constants)},
             lengths=ruleset.lengths,
             margins=margins,
         )
         self._result = self._select_all()
         self._read |= {self.names.tables[one, "truth"] for one in self.wanted}
-        names = {one: self.given_name(one) for one, _ in sorted(needed)}
+        names = {one: self.given_name(one) for one, _ in sorted(self.needed)}
         self.given_tables = {one: name for one, name in names.items() if name in self._read}
 
     @property
@@ -75,54 +52,13 @@ class Program:
         """Return whether it takes more than one statement: for recursion, or because there is too much."""
         return any(step.recursive for step in self.steps) or len(self.steps) > MOST_AT_ONCE
 
-    def _needed(self) -> set[Node]:
-        """Return the tables that the wanted ones rest on."""
-        found: set[Node] = set()
-        todo: list[Node] = [(one, "truth") for one in self.wanted]
-        while todo:
-            node = todo.pop()
-            if node in found:
-                continue
-            found.add(node)
-            for rule in self._rules.get(node[0], ()):
-                todo += self._uses(rule, node[1])
-        return found
-
-    def _uses(self, rule: Rule, mode: Mode) -> Iterator[Node]:
-        for goal in rule.body:
-            if isinstance(goal, Atom):
-                yield goal.predicate, mode
-            elif isinstance(goal, Negation):
-                inner = [one.predicate for one in goal.goals if isinstance(one, Atom)]
-                if mode == "truth":
-                    yield from ((one, "truth") for one in inner)
-                if self.margins:
-                    yield from ((one, "near") for one in inner)
-
-    def _ordered(self, needed: set[Node]) -> Iterator[Step]:
-        """Yield the tables that have rules, each after those it rests on: first how near, then what holds."""
-        recursive = self.ruleset.graph.recursive
-        modes: tuple[Mode, ...] = ("near", "truth")
-        for mode in modes:
-            for component in self.ruleset.graph.components:
-                nodes = [(one, mode) for one in sorted(component) if (one, mode) in needed]
-                nodes = [node for node in nodes if self._rules.get(node[0])]
-                if nodes:
-                    yield Step(tuple(nodes), any(one in recursive for one, _ in nodes))
-
-    def _constants(self, needed: set[Node]) -> Iterator[str]:
-        for predicate, _ in needed:
-            for rule in self._rules.get(predicate, ()):
-                for goal in (rule.head, *rule.body):
-                    yield from _texts(goal)
-
-    def _tables(self, needed: set[Node]) -> dict[Node, str]:
+    def _tables(self) -> dict[Node, str]:
         """Return the name of each node's table: derived by rules, or given as facts."""
         return {
             (predicate, mode): self._table_name(predicate, mode)
-            if self._rules.get(predicate)
+            if self.rules.get(predicate)
             else self.given_name(predicate)
-            for predicate, mode in needed
+            for predicate, mode in self.needed
         }
 
     def given_name(self, predicate: Indicator) -> str:
@@ -146,7 +82,7 @@ class Program:
             SELECT that reads the new rows there.
         """
         predicate, mode = node
-        for rule in self._rules[predicate]:
+        for rule in self.rules[predicate]:
             if not delta:
                 yield self._select(rule, mode, {})
                 continue
@@ -161,7 +97,7 @@ class Program:
         predicate, mode = node
         rules = [
             rule
-            for rule in self._rules[predicate]
+            for rule in self.rules[predicate]
             if not any(isinstance(goal, Atom) and (goal.predicate, mode) in together for goal in rule.body)
         ]
         for rule in rules:
@@ -193,7 +129,7 @@ class Program:
         """Return a SELECT of all rows of a node, each once, with the widest of its margins."""
         columns = arguments(node[0])
         union = " UNION ALL ".join(selects)
-        if node[0] in self._once:
+        if node[0] in self.once:
             return union
         if self.margins:
             return f"SELECT {columns}, max(m) AS m FROM ({union}) GROUP BY {columns}"
@@ -260,19 +196,3 @@ def arguments(predicate: Indicator) -> str:
 
 def _plain(predicate: Indicator) -> str:
     return f"{re.sub('[^a-z0-9_]', '_', predicate[0])}_{predicate[1]}"
-
-
-def _texts(goal: Goal | Expression) -> Iterator[str]:
-    match goal:
-        case Constant():
-            if goal.kind != "number":
-                yield str(goal.value)
-        case Atom():
-            for value in goal.args:
-                yield from _texts(value)
-        case Comparison():
-            yield from _texts(goal.left)
-            yield from _texts(goal.right)
-        case Negation():
-            for inner in goal.goals:
-                yield from _texts(inner)

@@ -1,16 +1,15 @@
 """One rule as one SELECT.
 
-Two readings of a predicate are compiled. In ``truth`` a row is what holds, with its margin; in ``near`` it is
-every derivation, whether its comparisons of lengths hold or not, with the margin it has or lacks. A denial is
-as wide as what it denies comes near (decision 0012), so only what is denied needs the second reading.
+Both readings of a predicate are compiled (:data:`deixis.ruleset.plan.Mode`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal
+from typing import Final
 
+from deixis.ruleset.flags import flag, stands_beside
 from deixis.ruleset.kinds import rule_lengths
 from deixis.ruleset.model import (
     ORDER,
@@ -27,10 +26,8 @@ from deixis.ruleset.model import (
     Variable,
     variables,
 )
+from deixis.ruleset.plan import Mode, Node
 from deixis.thresholds import Thresholds
-
-Mode = Literal["truth", "near"]
-Node = tuple[Indicator, Mode]
 
 INFINITE: Final = "'inf'::DOUBLE"
 """The margin of what no length decides. The only text in any statement."""
@@ -38,16 +35,6 @@ INFINITE: Final = "'inf'::DOUBLE"
 THRESHOLDS: Final = frozenset(name for name, _ in Thresholds().items())
 
 _OPERATORS: Final = {"=<": "<=", "=:=": "=", "=\\=": "<>", "==": "=", "\\==": "<>", "\\=": "<>"}
-
-
-FLAGS: Final[Mapping[Indicator, tuple[tuple[Indicator, tuple[int, ...], str], ...]]] = {
-    ("figure_reference", 2): (
-        (("pair", 9), (0, 1), "ordered"),
-        (("aspect", 7), (1, 2), "ordered"),
-    ),
-    ("viewpoint", 1): ((("aspect", 7), (0,), "viewed"),),
-}
-"""Facts that stand in a column of another table too, beside the arguments at these places."""
 
 
 @dataclass
@@ -129,9 +116,9 @@ class RuleSql:
         for at, goal in enumerate(goals):
             if not isinstance(goal, Atom) or self._threshold(goal, scope.known):
                 continue
-            flag = _flag(goal, goals)
-            if flag is not None:
-                flagged.append((goal, *flag))
+            shown = flag(goal, goals)
+            if shown is not None:
+                flagged.append((goal, *shown))
                 continue
             node = (goal.predicate, mode)
             alias = f"t{self._aliases}"
@@ -145,7 +132,7 @@ class RuleSql:
             for position, value in enumerate(goal.args):
                 self._match(scope, value, f"{alias}.a{position}")
         for goal, predicate, places, column in flagged:
-            alias = next(alias for one, alias in read if _stands_beside(goal, one, predicate, places))
+            alias = next(alias for one, alias in read if stands_beside(goal, one, predicate, places))
             scope.conditions.append(f"{alias}.{column}")
 
     def _match(self, scope: _Scope, value: Variable | Constant, column: str) -> None:
@@ -221,18 +208,6 @@ def number(value: float | str) -> str:
     '0.05::DOUBLE'
     """
     return f"{float(value)!r}::DOUBLE" if float(value) >= 0.0 else f"({float(value)!r})::DOUBLE"
-
-
-def _flag(goal: Atom, goals: Sequence[Goal]) -> tuple[Indicator, tuple[int, ...], str] | None:
-    """Return where a fact is a column of a table that is read anyway, with the same arguments."""
-    for predicate, places, column in FLAGS.get(goal.predicate, ()):
-        if any(isinstance(one, Atom) and _stands_beside(goal, one, predicate, places) for one in goals):
-            return predicate, places, column
-    return None
-
-
-def _stands_beside(goal: Atom, one: Atom, predicate: Indicator, places: Sequence[int]) -> bool:
-    return one.predicate == predicate and tuple(one.args[place] for place in places) == goal.args
 
 
 def _select(columns: str, scope: _Scope) -> str:

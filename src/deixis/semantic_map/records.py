@@ -1,0 +1,117 @@
+"""Rows of a map's tables: made of scenes, and scenes made of them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Final
+
+from deixis.errors import MapError
+from deixis.scene import Scene
+from deixis.scene_format import parse_scene
+from deixis.strict_json import quoted
+from deixis.thresholds import Thresholds
+
+Row = tuple[Any, ...]
+
+COLUMNS: Final[Mapping[str, tuple[str, ...]]] = {
+    "map": ("id", "thresholds", "strays"),
+    "frame": ("seq", "stamp", "source", "whole"),
+    "thing": (
+        "frame", "position", "id", "gone", "kind", "label", "labels",
+        "x", "y", "z", "hx", "hy", "hz", "yaw", "region",
+    ),
+    "viewpoint": ("frame", "position", "id", "label", "x", "y", "z", "heading", "stamp"),
+}  # fmt: skip
+"""The tables, each with its columns."""
+
+_LABELS: Final = ("label", "labels")
+
+
+def map_row(scene: Scene) -> Row:
+    """Return the row of a map that reads regions as a scene does: id, thresholds, treatment of strays."""
+    told = scene.to_dict()
+    return scene.id, _json(told.get("thresholds", {})), scene.strays
+
+
+def thing_rows(seq: int, scene: Scene, gone: Sequence[str]) -> list[Row]:
+    """Return the rows of a frame's things, and of those that it tells are gone.
+
+    Raises
+    ------
+    MapError
+        Something is said to be gone that the frame shows.
+    SceneError
+        The scene was made in Python with names that no scene file may have.
+    """
+    told = scene.to_dict()
+    parse_scene(told)
+    shown = {thing.id for thing in scene.objects}
+    both = next((name for name in gone if name in shown), None)
+    if both is not None:
+        raise MapError(f"{quoted(both)} is in the frame and said to be gone: leave out one of the two")
+    boxes = scene.boxes
+    rows: list[Row] = []
+    for at, (thing, values) in enumerate(zip(scene.objects, told["objects"], strict=True)):
+        labels = [{"name": one.name, "score": one.score} for one in thing.labels]
+        region = {key: value for key, value in values.items() if key not in ("id", "kind", *_LABELS)}
+        box = (*boxes.center[at].tolist(), *boxes.half[at].tolist(), float(boxes.yaw[at]))
+        rows.append((seq, at, thing.id, False, thing.kind, thing.label, _json(labels), *box, _json(region)))
+    nothing = (None,) * (len(COLUMNS["thing"]) - 4)
+    return rows + [(seq, len(rows) + at, name, True, *nothing) for at, name in enumerate(dict.fromkeys(gone))]
+
+
+def view_rows(seq: int, scene: Scene) -> list[Row]:
+    """Return the rows of a frame's views."""
+    return [
+        (seq, at, view.id, view.label, *view.position.tolist(), view.heading, view.stamp)
+        for at, view in enumerate(scene.views)
+    ]
+
+
+def scene_of(told: Row, things: Iterable[Row], views: Iterable[Row]) -> Scene:
+    """Return the scene that rows tell of.
+
+    Parameters
+    ----------
+    told : row
+        Of the map.
+    things : iterable of row
+        Id, kind, labels, region.
+    views : iterable of row
+        Id, label, x, y, z, heading, stamp.
+    """
+    name, thresholds, strays = told
+    objects = [
+        {"id": thing, "kind": kind, **_labelled(json.loads(labels)), **json.loads(region)}
+        for thing, kind, labels, region in things
+    ]
+    seen = [
+        {"id": view, "position": [x, y, z], "heading": heading}
+        | ({"label": label} if label else {})
+        | ({} if stamp is None else {"stamp": stamp})
+        for view, label, x, y, z, heading, stamp in views
+    ]
+    return Scene.from_dict(
+        {
+            "deixis": 1,
+            "id": name,
+            "strays": strays,
+            "objects": objects,
+            "views": seen,
+            "thresholds": json.loads(thresholds),
+        }
+    )
+
+
+def same_thresholds(told: Row, scene: Scene) -> bool:
+    """Return whether a scene is read with a map's thresholds, or has none of its own to insist on."""
+    return scene.thresholds == Thresholds() or map_row(scene)[1:] == told[1:]
+
+
+def _labelled(labels: list[dict[str, Any]]) -> dict[str, Any]:
+    return {"labels": labels} if labels else {}
+
+
+def _json(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
