@@ -139,7 +139,7 @@ def test_the_description_names_every_path(server: Server) -> None:
     assert told["openapi"].startswith("3.")
     assert set(told["paths"]) == {
         "/scenes", "/scenes/{scene}", "/scenes/{scene}/objects", "/scenes/{scene}/relations",
-        "/scenes/{scene}/ask", "/scenes/{scene}/why",
+        "/scenes/{scene}/ask", "/scenes/{scene}/why", "/scenes/{scene}/view",
     }  # fmt: skip
     relation = told["components"]["schemas"]["RelationTold"]["properties"]
     assert set(relation) == {"relation", "figure", "reference", "view", "margin"}
