@@ -6,22 +6,27 @@ import {
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
-import { CUBE, edgesOf, placed, spaceBoxes } from "./shapes.js";
+import { CUBE, edgesOf, isCloud, placed, spaceBoxes } from "./shapes.js";
 
 const ABOVE_ALL = 10;
 
-function lit(thing, colour) {
+/** A thing that is lit up: as what it is drawn as, with the edges of its box. */
+function lit(thing, geometry, colour, unsure) {
   const matrix = placed(thing.center, thing.half, thing.yaw);
   const group = new Group();
-  const material = new MeshLambertMaterial({
-    color: colour, emissive: colour, emissiveIntensity: 0.25, transparent: true, opacity: thing.surface ? 0.3 : 0.82,
-    side: DoubleSide, polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2,
-  });
-  const body = new Mesh(CUBE, material);
-  body.applyMatrix4(matrix);
-  const edges = new LineSegments(edgesOf([matrix]), new LineBasicMaterial({ color: colour, depthTest: false }));
-  edges.renderOrder = ABOVE_ALL;
-  group.add(body, edges);
+  if (geometry && isCloud(geometry)) {
+    group.add(new Points(geometry, new PointsMaterial({ color: colour, size: 3, sizeAttenuation: false })));
+  } else {
+    const material = new MeshLambertMaterial({
+      color: colour, emissive: colour, emissiveIntensity: 0.25, transparent: true,
+      opacity: thing.surface ? 0.3 : unsure ? 0.6 : 0.82, side: DoubleSide,
+      polygonOffset: true, polygonOffsetFactor: -2, polygonOffsetUnits: -2,
+    });
+    const body = new Mesh(geometry ?? CUBE, material);
+    if (!geometry) body.applyMatrix4(matrix);
+    group.add(body);
+  }
+  group.add(unsure ? dashed(matrix, colour) : outline(matrix, colour));
   return group;
 }
 
@@ -79,6 +84,12 @@ function space({ volume, face }, colour) {
   return group;
 }
 
+function outline(matrix, colour) {
+  const lines = new LineSegments(edgesOf([matrix]), new LineBasicMaterial({ color: colour, depthTest: false }));
+  lines.renderOrder = ABOVE_ALL;
+  return lines;
+}
+
 function dashed(matrix, colour) {
   const lines = new LineSegments(
     edgesOf([matrix]), new LineDashedMaterial({ color: colour, dashSize: 0.06, gapSize: 0.04, depthTest: false }),
@@ -89,12 +100,13 @@ function dashed(matrix, colour) {
 }
 
 /** The group of what lights up. */
-export function litUp(marks, model, colours) {
+export function litUp(marks, model, colours, shapes) {
   const group = new Group();
   const { things, frames } = model;
-  if (marks.reference !== null) group.add(lit(things[marks.reference], colours.reference));
-  if (marks.figure !== null) group.add(lit(things[marks.figure], colours.figure));
-  for (const one of marks.others) group.add(lit(things[one], colours.other));
+  const light = (index, colour) => group.add(lit(things[index], shapes.of(things[index]), colour, marks.unsure));
+  if (marks.reference !== null) light(marks.reference, colours.reference);
+  if (marks.figure !== null) light(marks.figure, colours.figure);
+  for (const one of marks.others) light(one, colours.other);
   for (const ends of marks.spans) group.add(segment(ends, colours.span));
   for (const { plane, thing } of marks.planes) group.add(decisive(plane, things[thing], colours.span));
   for (const { thing, axis, frame } of marks.spaces) {

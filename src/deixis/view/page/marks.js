@@ -3,7 +3,7 @@
 const AXES = ["X+", "X-", "Y+", "Y-", "Z+", "Z-"];
 const MANY = 3; // planes that can be told apart
 
-const NOTHING = { figure: null, reference: null, others: [], spans: [], planes: [], spaces: [], turned: [] };
+const NOTHING = { figure: null, reference: null, others: [], spans: [], planes: [], spaces: [], turned: [], unsure: false };
 
 /** The spaces on one side of a thing that a step and those below it speak of, by name. */
 function spacesOf(step, model, reasons, found = new Map()) {
@@ -32,6 +32,7 @@ function ofStep(step, model, reasons) {
   const planes = sights.filter(([, , plane]) => plane !== null);
   return {
     ...NOTHING, figure, reference, others,
+    unsure: step.margin !== null && Math.abs(step.margin) < model.thresholds.pose_noise,
     spans: sights.filter(([, points]) => points !== null).map(([, points]) => points),
     planes: planes.length <= MANY ? planes.map(([names, , plane]) => ({ plane, thing: model.thingAt.get(names[1]) })) : [],
     spaces: [...spacesOf(step, model, reasons).values()],

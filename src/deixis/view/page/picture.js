@@ -7,7 +7,7 @@ import {
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Labels } from "./labels.js";
 import { litUp } from "./lights.js";
-import { CUBE, edgesOf, meshGeometry, placed, pointGeometry, ringGeometry } from "./shapes.js";
+import { CUBE, Shapes, edgesOf, freed, isCloud, placed } from "./shapes.js";
 import { viewMarker } from "./viewer.js";
 
 const CORNERS = [0, 1, 2, 3, 4, 5, 6, 7].map((at) => new Vector3((at & 1) - 0.5, ((at >> 1) & 1) - 0.5, (at >> 2) - 0.5));
@@ -31,6 +31,7 @@ export class Picture {
     this.controls.addEventListener("change", () => this.draw());
     this.labels = new Labels(host, model);
     this.fixed = new Group();
+    this.shapes = new Shapes();
     this.marks = null;
     this.world.add(this.fixed);
     this.lit = [];
@@ -63,45 +64,43 @@ export class Picture {
     });
   }
 
-  /** Build what is there whatever is selected; `shapes` may come later. */
-  build(colours, shapes) {
-    this.world.background = new Color(colours.back);
-    for (const one of this.fixed.children) if (one.geometry && one.geometry !== CUBE) one.geometry.dispose();
+  /** Build what is there whatever is selected; the shapes of things may be known later. */
+  build(colours, told) {
+    if (this.shapes.told !== told) this.shapes = new Shapes(told);
+    freed(this.fixed);
     this.fixed.clear();
+    this.world.background = new Color(colours.back);
     const sun = new DirectionalLight(0xffffff, 1.6);
     sun.position.set(0.6, -0.8, 1.5);
     this.fixed.add(sun, new AmbientLight(0xffffff, 1.7));
     const { things } = this.model;
-    const shaped = (one) => shapes?.[one.index] ?? null;
-    const boxes = things.filter((one) => !one.surface && !shaped(one));
-    this.solid = new MeshLambertMaterial({ color: colours.thing, transparent: true });
-    this.targets = [this.filled(boxes, this.solid)];
-    const surfaces = new MeshLambertMaterial({
+    this.solid = new MeshLambertMaterial({ color: colours.thing, transparent: true, side: DoubleSide });
+    this.flat = new MeshLambertMaterial({
       color: colours.surface, side: DoubleSide, transparent: true, opacity: 0.55, depthWrite: false,
     });
-    const ghost = new MeshBasicMaterial({ transparent: true, opacity: 0, depthWrite: false });
-    for (const thing of things) {
-      const shape = shaped(thing);
-      if (thing.surface) {
-        const flat = shape?.ring ? new Mesh(ringGeometry(shape), surfaces) : this.boxed(thing, surfaces);
-        flat.userData.thing = thing.index;
-        this.fixed.add(flat);
-        this.targets.push(flat);
-      } else if (shape) {
-        const drawn = shape.vertices
-          ? new Mesh(meshGeometry(shape), new MeshLambertMaterial({ color: colours.thing, side: DoubleSide }))
-          : new Points(pointGeometry(shape), new PointsMaterial({ color: colours.line, size: 2, sizeAttenuation: false }));
-        const around = this.boxed(thing, ghost);
-        around.userData.thing = thing.index;
-        this.fixed.add(drawn, around);
-        this.targets.push(around);
-      }
-    }
+    this.targets = [this.filled(things.filter((one) => !one.surface && !this.shapes.of(one)), this.solid)];
+    for (const thing of things) if (thing.surface || this.shapes.of(thing)) this.shaped(thing, colours);
     const matrices = things.map((one) => placed(one.center, one.half, one.yaw));
     const lines = new LineBasicMaterial({ color: colours.line, transparent: true, opacity: 0.75 });
     this.fixed.add(new LineSegments(edgesOf(matrices), lines));
     this.colours = colours;
     this.draw();
+  }
+
+  /** Add a surface, a mesh or points; what is clicked of the latter two is the box. */
+  shaped(thing, colours) {
+    const geometry = this.shapes.of(thing);
+    let target = this.boxed(thing, thing.surface ? this.flat : new MeshBasicMaterial({ transparent: true, opacity: 0, depthWrite: false }));
+    if (geometry && isCloud(geometry)) {
+      this.fixed.add(new Points(geometry, new PointsMaterial({ color: colours.line, size: 2, sizeAttenuation: false })));
+    } else if (geometry) {
+      const body = new Mesh(geometry, thing.surface ? this.flat : this.solid);
+      if (thing.surface) target = body;
+      else this.fixed.add(body);
+    }
+    target.userData.thing = thing.index;
+    this.fixed.add(target);
+    this.targets.push(target);
   }
 
   filled(things, material) {
@@ -121,7 +120,10 @@ export class Picture {
   /** Show from where the current view looks. */
   stand(view) {
     this.view = view;
-    if (this.markers) this.world.remove(this.markers);
+    if (this.markers) {
+      freed(this.markers);
+      this.world.remove(this.markers);
+    }
     this.markers = new Group();
     const size = Math.min(0.25, 0.06 * this.around().radius);
     for (const one of this.model.views) this.markers.add(viewMarker(one, one.index === view, size, this.colours.view));
@@ -133,10 +135,10 @@ export class Picture {
   /** Light up what a step or a thing is about. */
   light(marks) {
     if (this.marks) {
-      this.marks.traverse((one) => { if (one.geometry && one.geometry !== CUBE) one.geometry.dispose(); });
+      freed(this.marks);
       this.world.remove(this.marks);
     }
-    this.marks = litUp(marks, this.model, this.colours);
+    this.marks = litUp(marks, this.model, this.colours, this.shapes);
     this.world.add(this.marks);
     this.lit = [marks.figure, marks.reference, ...marks.others].filter((one) => one !== null);
     this.solid.opacity = marks.figure === null ? 1 : 0.32;

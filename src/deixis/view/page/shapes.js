@@ -6,8 +6,37 @@ import {
 const UP = new Vector3(0, 0, 1);
 const THIN = 0.004;
 
-export const CUBE = new BoxGeometry(1, 1, 1);
+export const CUBE = kept(new BoxGeometry(1, 1, 1));
 const EDGES = new EdgesGeometry(CUBE).getAttribute("position");
+
+/** Mark a geometry as one that outlives what is drawn with it. */
+function kept(geometry) {
+  geometry.userData.kept = true;
+  return geometry;
+}
+
+/** Free what a group was drawn with, but for what is kept. */
+export function freed(group) {
+  group.traverse((one) => { if (one.geometry && !one.geometry.userData.kept) one.geometry.dispose(); });
+}
+
+/** The shape of a thing as geometry, made once; null for a thing that is drawn as its box. */
+export class Shapes {
+  constructor(told) {
+    this.told = told;
+    this.made = new Map();
+  }
+
+  of(thing) {
+    if (!this.made.has(thing.index)) this.made.set(thing.index, this.make(this.told?.[thing.index] ?? null));
+    return this.made.get(thing.index);
+  }
+
+  make(shape) {
+    if (shape === null) return null;
+    return kept(shape.ring ? ringGeometry(shape) : shape.vertices ? meshGeometry(shape) : pointGeometry(shape));
+  }
+}
 
 /** Where a unit cube has to be to stand for a box. */
 export function placed(center, half, yaw) {
@@ -31,7 +60,7 @@ export function edgesOf(matrices) {
 const inMetres = (row) => Float32Array.from(row, (one) => one / 1000);
 
 /** A mesh of the data. */
-export function meshGeometry(shape) {
+function meshGeometry(shape) {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(inMetres(shape.vertices), 3));
   geometry.setIndex(shape.faces);
@@ -39,12 +68,14 @@ export function meshGeometry(shape) {
   return geometry;
 }
 
-/** Points of the data. */
-export const pointGeometry = (shape) =>
-  new BufferGeometry().setAttribute("position", new BufferAttribute(inMetres(shape.points), 3));
+/** Points of the data: a geometry without faces. */
+const pointGeometry = (shape) => new BufferGeometry().setAttribute("position", new BufferAttribute(inMetres(shape.points), 3));
+
+/** Whether a geometry is of points only. */
+export const isCloud = (geometry) => geometry.getIndex() === null && !geometry.getAttribute("normal");
 
 /** A flat polygon, cut into triangles in its own plane. */
-export function ringGeometry(shape) {
+function ringGeometry(shape) {
   const flat = inMetres(shape.ring);
   const points = Array.from({ length: flat.length / 3 }, (_, at) => new Vector3().fromArray(flat, 3 * at));
   const normal = new Vector3();
