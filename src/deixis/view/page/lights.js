@@ -8,6 +8,7 @@ import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/examples/jsm/lines/LineSegmentsGeometry.js";
 import { CUBE, edgesOf, isCloud, placed, spaceBoxes } from "./shapes.js";
 
+// Drawn after all else, and so counted among what is transparent: three.js draws that last.
 const ABOVE_ALL = 10;
 
 /** A thing that is lit up: as what it is drawn as, with the edges of its box. */
@@ -34,7 +35,7 @@ function lit(thing, geometry, colour, unsure) {
 function segment([from, to], colour) {
   const group = new Group();
   const line = new LineSegments2(
-    new LineSegmentsGeometry().setPositions([...from, ...to]), new LineMaterial({ color: colour, linewidth: 3, depthTest: false }),
+    new LineSegmentsGeometry().setPositions([...from, ...to]), new LineMaterial({ color: colour, linewidth: 3, depthTest: false, transparent: true }),
   );
   const ends = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array([...from, ...to]), 3));
   const dots = new Points(ends, new PointsMaterial({
@@ -85,14 +86,14 @@ function space({ volume, face }, colour) {
 }
 
 function outline(matrix, colour) {
-  const lines = new LineSegments(edgesOf([matrix]), new LineBasicMaterial({ color: colour, depthTest: false }));
+  const lines = new LineSegments(edgesOf([matrix]), new LineBasicMaterial({ color: colour, depthTest: false, transparent: true }));
   lines.renderOrder = ABOVE_ALL;
   return lines;
 }
 
 function dashed(matrix, colour) {
   const lines = new LineSegments(
-    edgesOf([matrix]), new LineDashedMaterial({ color: colour, dashSize: 0.06, gapSize: 0.04, depthTest: false }),
+    edgesOf([matrix]), new LineDashedMaterial({ color: colour, dashSize: 0.06, gapSize: 0.04, depthTest: false, transparent: true }),
   );
   lines.computeLineDistances();
   lines.renderOrder = ABOVE_ALL;
