@@ -149,6 +149,22 @@ def test_the_view_changes_left_and_right(window: Window) -> None:
     assert of_robot != {one.figure for one in kb.relations(view="v1", relation=["left_of"])}
 
 
+def test_what_is_uncertain_is_marked_and_dashed(window: Window) -> None:
+    with KnowledgeBase.from_scene(HANS) as kb:
+        noise = kb.scene.thresholds.pose_noise
+        doubtful = [one for one in kb.relations(view="v0") if one.margin is not None and one.margin < noise]
+    drawn = window.colours("#canvas canvas")
+    window.click("#unsure")
+    assert window.texts("#count") == [f"{len(doubtful)} of 45"]
+    assert window.colours("#canvas canvas") != drawn
+    assert all("uncertain" in one for one in window.texts(".row"))
+    dashes = "() => getComputedStyle(document.querySelector('.row.doubtful .swatch')).borderTopStyle"
+    assert window.page.evaluate(dashes) == "dashed"
+    window.click(".row", "leans on")
+    assert window.page.locator(".step .tag.unsure").count() > 0
+    assert "within the pose noise of 5 cm: uncertain" in window.texts("#evidence")[0]
+
+
 def test_the_address_restores_what_was_shown(window: Window, chromium: Browser) -> None:
     window.page.locator("#view").select_option("1")
     window.page.locator("#search").fill("extinguisher2")
