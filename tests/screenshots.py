@@ -31,10 +31,10 @@ def shot(browser: Browser, name: str, folder: Path) -> bytes:
     scene, theme, selected = SHOTS[name]
     with KnowledgeBase.from_scene(ROOT / "kb" / "scenes" / f"{scene}.json") as kb:
         address = saved(kb.page(), folder / f"{scene}.html")
-    window = Window.open(browser, f"{address}#{selected}", wide=1280, tall=760, color_scheme=theme)
+    window = Window.open(browser, f"{address}#{selected}", wide=1200, tall=720, color_scheme=theme)
     if theme == "light":
         window.click("#closer")
-    window.page.mouse.move(640, 700)
+    window.page.mouse.move(600, 660)
     window.page.wait_for_timeout(500)
     window.drawn()
     picture = window.page.screenshot()

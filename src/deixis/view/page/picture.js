@@ -1,6 +1,6 @@
 // The scene in three dimensions: things, surfaces, views, and what lights up. Drawn only when something changed.
 import {
-  AmbientLight, Color, DirectionalLight, DoubleSide, Group, InstancedMesh, LineBasicMaterial, LineSegments, Mesh,
+  AmbientLight, Color, DirectionalLight, DoubleSide, FrontSide, Group, InstancedMesh, LineBasicMaterial, LineSegments, Mesh,
   MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Points, PointsMaterial, Raycaster, Scene, Sphere, Vector2,
   Vector3, WebGLRenderer,
 } from "three";
@@ -74,11 +74,12 @@ export class Picture {
     sun.position.set(0.6, -0.8, 1.5);
     this.fixed.add(sun, new AmbientLight(0xffffff, 1.7));
     const { things } = this.model;
-    this.solid = new MeshLambertMaterial({ color: colours.thing, transparent: true, side: DoubleSide });
+    // A mesh may be open; of a box only the outside is seen, and drawing the inside too would take twice as long.
+    this.solids = [FrontSide, DoubleSide].map((side) => new MeshLambertMaterial({ color: colours.thing, transparent: true, side }));
     this.flat = new MeshLambertMaterial({
       color: colours.surface, side: DoubleSide, transparent: true, opacity: 0.55, depthWrite: false,
     });
-    this.targets = [this.filled(things.filter((one) => !one.surface && !this.shapes.of(one)), this.solid)];
+    this.targets = [this.filled(things.filter((one) => !one.surface && !this.shapes.of(one)), this.solids[0])];
     for (const thing of things) if (thing.surface || this.shapes.of(thing)) this.shaped(thing, colours);
     const matrices = things.map((one) => placed(one.center, one.half, one.yaw));
     const lines = new LineBasicMaterial({ color: colours.line, transparent: true, opacity: 0.75 });
@@ -94,7 +95,7 @@ export class Picture {
     if (geometry && isCloud(geometry)) {
       this.fixed.add(new Points(geometry, new PointsMaterial({ color: colours.line, size: 2, sizeAttenuation: false })));
     } else if (geometry) {
-      const body = new Mesh(geometry, thing.surface ? this.flat : this.solid);
+      const body = new Mesh(geometry, thing.surface ? this.flat : this.solids[1]);
       if (thing.surface) target = body;
       else this.fixed.add(body);
     }
@@ -141,8 +142,10 @@ export class Picture {
     this.marks = litUp(marks, this.model, this.colours, this.shapes);
     this.world.add(this.marks);
     this.lit = [marks.figure, marks.reference, ...marks.others].filter((one) => one !== null);
-    this.solid.opacity = marks.figure === null ? 1 : 0.32;
-    this.solid.depthWrite = marks.figure === null;
+    for (const solid of this.solids) {
+      solid.opacity = marks.figure === null ? 1 : 0.32;
+      solid.depthWrite = marks.figure === null;
+    }
     this.labels.light(marks);
     this.draw();
   }
