@@ -8,7 +8,7 @@ EXTRAS := --extra mesh --extra rdf --extra server
 LOCK := UV_CUSTOM_COMPILE_COMMAND="make lock" uv pip compile --quiet --universal --python-version 3.11 \
 	--generate-hashes --fork-strategy fewest pyproject.toml
 
-.PHONY: help setup demo shell doctor test test-long bench check lint rules page wheel lock clean
+.PHONY: help setup demo shell doctor test test-long bench check lint rules page pictures wheel lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -45,8 +45,11 @@ lint: .venv/.dev ## style, types, layers
 rules: .venv/.dev ## load every rule file without a warning and run its PlUnit tests
 	swipl --on-error=status --on-warning=status -p deixis=rules -g main tests/rules/run.pl
 
-page: .venv/.runtime ## the query page of `deixis serve` (npm)
+page: .venv/.runtime ## the pages of `deixis view` and `deixis serve` (npm)
 	@sh .ci/page.sh
+
+pictures: .venv/.dev page ## the README's pictures of the page, taken anew (Chromium)
+	$(BIN)/python tests/screenshots.py
 
 wheel: .venv/.dev page ## dist/: the source archive and the wheel
 	$(BIN)/python -m build --no-isolation
@@ -56,7 +59,7 @@ lock: ## pin the requirements anew (needs uv)
 	$(LOCK) --all-extras --group dev --constraint requirements.txt --output-file requirements-dev.txt
 
 clean: ## remove all that make made, .venv included
-	rm -rf .venv build dist src/deixis/server/page/vendor .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv build dist src/deixis/*/page/vendor .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find src tests -name __pycache__ -prune -exec rm -rf {} +
 
 .venv/.runtime: pyproject.toml requirements.txt .ci/setup.sh

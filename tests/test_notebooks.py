@@ -10,6 +10,8 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
+from deixis.view import available
+
 NOTEBOOKS = sorted((Path(__file__).resolve().parent.parent / "notebooks").glob("*.ipynb"))
 
 SECONDS = 20.0
@@ -40,6 +42,13 @@ PROMISED = {
         "left_of extinguisher2 radiator v0 0.084",
         "403 SERVICE is switched off",
         "stopped: True",
+    ],
+    "03_why": [
+        "The fire extinguisher (extinguisher2) leans on the wall, because",
+        "because the floor touches the fire extinguisher (extinguisher2).",
+        "sweater: 2.0 cm, and it holds: False",
+        "uncertain on_top_of(sweater, heater), 2.0 cm to spare",
+        "sure      left_of(extinguisher2, radiator), 8.4 cm to spare",
     ],
 }
 """What each notebook prints, among other things."""
@@ -89,3 +98,6 @@ def test_it_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     text = printed(notebook)
     assert stored in ("", text)
     assert [words for words in PROMISED[path.stem] if words not in text] == []
+    shown = [one["data"] for cell in notebook.cells for one in cell.get("outputs", []) if "data" in one]
+    if path.stem == "03_why" and available():
+        assert shown[0]["text/html"].startswith("<iframe")

@@ -64,6 +64,16 @@ def test_wheel_holds_all_rules_and_all_knowledge(root: Path, wheel: Path) -> Non
     assert f"deixis-{deixis.__version__}.dist-info/licenses/LICENSE" in packed
 
 
+def test_wheel_holds_the_pages_that_were_built(root: Path, wheel: Path) -> None:
+    packed = set(zipfile.ZipFile(wheel).namelist())
+    for page in ("server", "view"):
+        folder = root / "src" / "deixis" / page / "page"
+        assert {f"deixis/{page}/page/{one.name}" for one in folder.iterdir() if one.is_file()} <= packed
+        built = {f"deixis/{page}/page/vendor/{one.name}" for one in folder.glob("vendor/*")}
+        assert built <= packed
+        assert not built or f"deixis/{page}/page/vendor/LICENSES.txt" in built
+
+
 def test_installed_package_reads_its_own_files(installed: Path, tmp_path: Path) -> None:
     ask = "from deixis import _files; print(_files.rules_dir()); print(_files.kb_dir())"
     places = run(installed / "bin" / "python", "-I", "-c", ask, cwd=tmp_path).splitlines()

@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 from deixis.explaining import Explaining
 from deixis.facts import RegionModel
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from deixis.living import Known, Living
     from deixis.updates import Changes, Update
     from deixis.words import Description, Reply
+
+MOST_IN_A_NOTEBOOK: Final = 200
+"""Things of a scene that a notebook shows unasked; `deixis view` shows any."""
 
 
 class KnowledgeBase(Explaining):
@@ -219,6 +222,58 @@ class KnowledgeBase(Explaining):
         after = KnowledgeBase(then, rules=self._rules, region=self.region, language=self.language)
         after.facts = reground(self.scene, self.facts, after.scene)
         return after
+
+    def page(self, *, timeout: float = 300.0) -> str:
+        """Return a page, one file of HTML, that shows the scene, its relations and their reasons.
+
+        It needs nothing else: no server and no network.
+
+        Raises
+        ------
+        MissingDependency
+            The script of the page is not part of this installation.
+        QueryTimeout
+            The proofs of all relations took longer than ``timeout`` seconds.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> from deixis.view import available
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     "leans on the wall" in kb.page() if available() else True
+        True
+        """
+        from deixis.view import page_html
+
+        return page_html(f"{self.scene.id}: Deixis", *self.page_data(timeout=timeout))
+
+    def page_data(self, *, timeout: float = 300.0) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the data of the page: what it needs at once, and what when something is selected."""
+        from deixis.view import Shown, page_data
+
+        names = [term.name for term in RELATIONS]
+        if self._rules:
+            kinds = self.ruleset.kinds
+            own = [one for one in sorted(self.ruleset.user) if one[1] in (2, 3)]
+            odd = {name for name, arity in own if set(kinds[name, arity]) != {"name"}}
+            names += dict.fromkeys(name for name, _ in own if name not in odd)
+        # The margin of a relation is that of its widest proof, which need not be the shortest.
+        margins = {
+            (one.relation, one.figure, one.reference, *([] if one.view is None else [one.view])): one.margin
+            for one in self.relations(relation=names, timeout=timeout)
+        }
+        proofs = self.proofs(relation=names, timeout=timeout)
+        seen = self._gathering.gather(list(proofs.values()))
+        found = [Shown(proof, margins[key]) for key, proof in zip(proofs, seen, strict=True)]
+        return page_data(self.scene, self.facts, found)
+
+    def _repr_html_(self) -> str | None:
+        """Return the page in a frame of its own, for notebooks; None where it is not there, or too large."""
+        from deixis.view import available, framed
+
+        if not available() or len(self.scene.objects) > MOST_IN_A_NOTEBOOK:
+            return None
+        return framed(self.page())
 
     def consequences(
         self, moves: Mapping[str, Sequence[float]], *, limit: int | None = None, timeout: float = 60.0

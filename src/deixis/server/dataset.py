@@ -126,6 +126,13 @@ class Dataset:
 
     async def reason(self, name: str, do: str, header: dict[str, Any] | None = None) -> dict[str, Any]:
         """Ask the process of one scene."""
+        return (await self._reasoned(name, do, header))[0]
+
+    async def page(self, name: str) -> bytes:
+        """Return the page of one scene."""
+        return (await self._reasoned(name, "view", {"timeout": self._settings.limits.timeout}))[1]
+
+    async def _reasoned(self, name: str, do: str, header: dict[str, Any] | None) -> Answer:
         limits = self._settings.limits
         loaded = self.scenes.get(name)
         if loaded is None:
@@ -137,8 +144,7 @@ class Dataset:
             child = await self._wake(name, loaded)
             message = {"do": do} | ({} if header is None else {"with": header})
             # The engines have time-outs of their own; this one is for what does not keep to them.
-            told, _ = await self._answered(child, message, b"", 2.0 * limits.timeout)
-            return told
+            return await self._answered(child, message, b"", 2.0 * limits.timeout)
         finally:
             self._asked[name] -= 1
 

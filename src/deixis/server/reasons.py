@@ -32,6 +32,7 @@ class Reasons:
         self._kb: KnowledgeBase | None = None
         self._explaining: KnowledgeBase | None = None
         self._known: dict[tuple[str, ...] | None, tuple[Relation, ...]] = {}
+        self._page: bytes | None = None
 
     @property
     def kb(self) -> KnowledgeBase:
@@ -59,7 +60,8 @@ class Reasons:
         from deixis.errors import SceneError
 
         scene = Scene.from_dict(parse(text, SceneError, _EXPORTED))
-        self._kb, self._explaining, self._known = KnowledgeBase(scene), None, {}
+        self._kb, self._explaining = KnowledgeBase(scene), None
+        self._known, self._page = {}, None
         told: dict[str, Any] = {
             "id": scene.id,
             "objects": len(scene.objects),
@@ -144,6 +146,12 @@ class Reasons:
     def called(self, *, view: str | None, timeout: float) -> dict[str, Any]:
         """Return what each thing is called."""
         return {"names": self.explaining.names(view=view, timeout=timeout)}
+
+    def page(self, *, timeout: float) -> bytes:
+        """Return the page that shows the scene; made once."""
+        if self._page is None:
+            self._page = self.kb.page(timeout=timeout).encode()
+        return self._page
 
     def why(self, *, goal: str, timeout: float) -> dict[str, Any]:
         """Return the proof of a relation with its evidence, or how far it is from holding."""

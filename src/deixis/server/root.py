@@ -103,6 +103,10 @@ class Work:
         """Find what would be otherwise."""
         return self._reasons.what_if(**header["with"]), b""
 
+    def view(self, header: Mapping[str, Any], _: bytes) -> Reply:
+        """Show the scene."""
+        return {}, self._reasons.page(**header["with"])
+
 
 def main(descriptor: int) -> None:
     """Run as the first child."""

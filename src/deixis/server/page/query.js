@@ -32,6 +32,14 @@ async function start() {
   }
   examples.addEventListener("change", () => examples.value && show(examples.value));
 
+  const served = await (await fetch("/scenes")).json();
+  for (const { id } of served.scenes) {
+    const link = document.createElement("a");
+    link.href = `/scenes/${encodeURIComponent(id)}/view`;
+    link.textContent = `See ${id}`;
+    document.getElementById("scenes").append(link, " ");
+  }
+
   const asked = new URLSearchParams(location.hash.slice(1)).get("query");
   if (asked) await show(asked);
 }
