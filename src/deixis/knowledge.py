@@ -35,6 +35,8 @@ class KnowledgeBase(Inference):
         ``use_module`` is loaded too. They are checked before any engine sees them.
     region : "box", "hull" or "mesh"
         What things are measured as: their boxes, convex hulls, or meshes where they have one (decision 0017).
+    facts : Facts, optional
+        The scene as grounded elsewhere, such as by :func:`deixis.postgis.ground`.
 
     Examples
     --------
@@ -128,9 +130,7 @@ class KnowledgeBase(Inference):
             self.check_view(view)
             scene = replace(scene, views=tuple(one for one in scene.views if one.id == view))
             facts = replace(facts, views=tuple(one for one in facts.views if one.view in (WORLD, view)))
-        variant = KnowledgeBase(scene, rules=self._rules or ("safety",), region=self.region)
-        variant.facts = facts
-        return variant
+        return KnowledgeBase(scene, rules=self._rules or ("safety",), facts=facts)
 
     def change(self, goal: str) -> Change | None:
         """Return the smallest translation found of a goal's figure that makes it true or, if it is, false.
@@ -163,9 +163,8 @@ class KnowledgeBase(Inference):
         from deixis.counterfactual import moved
         from deixis.regrounding import reground
 
-        after = KnowledgeBase(moved(self.scene, moves), rules=self._rules, region=self.region)
-        after.facts = reground(self.scene, self.facts, after.scene)
-        return after
+        scene = moved(self.scene, moves)
+        return KnowledgeBase(scene, rules=self._rules, facts=reground(self.scene, self.facts, scene))
 
     def proofs(
         self, *, relation: Iterable[str] | None = None, timeout: float = 300.0

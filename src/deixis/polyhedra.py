@@ -65,7 +65,9 @@ def _box(center: Array, half: Array, yaw: float) -> bytes:
         return _polyhedron([corners[list(face)] for face in _FACES])
     if len(spans) == 2:
         one, other = spans
-        return _polygon(np.array([center - one - other, center + one - other, center + one + other, center - one + other]))
+        return _polygon(
+            np.array([center - one - other, center + one - other, center + one + other, center - one + other])
+        )
     if len(spans) == 1:
         return _head(_LINE, 2) + _coordinates(np.array([center - spans[0], center + spans[0]]))
     return struct.pack("<BI", 1, _POINT) + _coordinates(center)

@@ -1,4 +1,4 @@
-"""What the functions of SFCGAL are called, and where the extensions are: both differ from server to server."""
+"""What the functions of SFCGAL are called, and where they are: both differ from server to server."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def schemas(connection: Connection[Any]) -> list[str]:
     missing = [name for name in ("postgis", "postgis_sfcgal") if name not in found]
     if missing:
         raise MissingDependency(
-            f"the database has no {' and no '.join(missing)}: CREATE EXTENSION {missing[-1]} CASCADE, as its owner"
+            f"the database has no {' and no '.join(missing)}: CREATE EXTENSION {missing[-1]} CASCADE"
         )
     return list(dict.fromkeys(found.values()))
 
@@ -58,6 +58,6 @@ def names(connection: Connection[Any]) -> Mapping[str, Identifier]:
 
 
 def search_path(connection: Connection[Any]) -> Composed:
-    """Return the statement that lets a transaction see its own tables first, then PostGIS, and nothing else."""
+    """Return the statement that lets a transaction see its own tables, then PostGIS, and nothing else."""
     places = SQL(", ").join(map(Identifier, ["pg_temp", "pg_catalog", *schemas(connection)]))
     return SQL("SET LOCAL search_path TO {}").format(places)

@@ -1,4 +1,4 @@
-"""Facts measured by PostGIS: Table 1(a) of the paper, row by row, as SQL that anyone can read (decision 0048)."""
+"""Facts measured by PostGIS: Table 1(a) of the paper, row by row, as SQL (decision 0048)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import Any, Final, LiteralString, cast
+from typing import Any, Final
 
 import numpy as np
 
@@ -70,8 +70,8 @@ _VOLUMES: Final = "SELECT thing, volume FROM size ORDER BY thing"
 def ground(where: str | psycopg.Connection[Any], scene: Scene) -> Facts:
     """Return the facts of a scene, measured as boxes by PostGIS and SFCGAL instead of by the kernel.
 
-    Truth values are the operators' of Table 1(a); how far each is from changing is measured in SQL on the same
-    geometry (decision 0048). The tables are temporary: nothing of the scene stays in the database.
+    Truth values are the operators' of Table 1(a); how far each is from changing is measured on the same geometry
+    (decision 0048). The tables are temporary: nothing of the scene stays in the database.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def load(connection: psycopg.Connection[Any], scene: Scene) -> None:
 
 def run(connection: psycopg.Connection[Any], row: str) -> None:
     """Work through one row of Table 1(a), after those before it."""
-    connection.execute(SQL(cast(LiteralString, text(row))).format(**names(connection)))
+    connection.execute(SQL(text(row)).format(**names(connection)))
 
 
 @cache

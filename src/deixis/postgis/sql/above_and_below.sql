@@ -2,12 +2,12 @@
 --
 -- Of two things in contact the figure is beyond the face that the contact is on: the way out through it is the
 -- shortest (decision 0009). Else the figure meets "beyond", or begins within "flush" where it does not intersect the
--- reference. The operators say whether; how far that is from changing is measured from the same extents.
+-- reference. The operator says whether; how far that is from changing is measured from the same extents, which also
+-- decide what is within a nanometre of the bound.
 CREATE TEMPORARY TABLE vertical AS
 SELECT figure, reference, direction,
-       CASE WHEN contact THEN margin WHEN meets THEN greatest(margin, 0) ELSE least(margin, -1e-9) END AS relaxed,
-       meets,
-       least(CASE WHEN contact THEN margin WHEN meets THEN greatest(margin, 0) ELSE least(margin, -1e-9) END,
+       meets, margin, relaxed,
+       least(relaxed,
              d - greatest(ST_XMax(here) - b.tx, -b.tx - ST_XMin(here), ST_YMax(here) - b.ty, -b.ty - ST_YMin(here)),
              near + d, depth + d - far_end) AS strict
 FROM threshold, overlap
@@ -31,6 +31,9 @@ CROSS JOIN LATERAL (SELECT least(
 CROSS JOIN LATERAL (SELECT
     across >= 0.5 * d AND (
         coalesce(ST_3DIntersects(a.slab, beyond), false)
-        OR (NOT deep AND ST_3DIntersects(a.slab, flush) AND NOT ST_3DIntersects(a.slab, back))) AS meets) AS asked;
+        OR (NOT deep AND ST_3DIntersects(a.slab, flush) AND NOT ST_3DIntersects(a.slab, back))) AS meets) AS asked
+CROSS JOIN LATERAL (SELECT
+    CASE WHEN contact OR abs(margin) < 1e-9 THEN margin WHEN meets THEN greatest(margin, 0) ELSE least(margin, -1e-9)
+    END AS relaxed) AS decided;
 
 CREATE UNIQUE INDEX ON vertical (figure, reference, direction);

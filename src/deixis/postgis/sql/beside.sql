@@ -2,12 +2,12 @@
 -- and the cardinal directions: ST_3DIntersects (axioms 30 to 34).
 --
 -- The figure meets "beyond", or, where it does not intersect the reference, begins within "flush" with its middle on
--- that side. The operators say whether; how far that is from changing is measured from the figure's extents in
--- the halfspace's frame (ST_Rotate), of that part of it which lies across the halfspace (ST_Intersection).
+-- that side. The operator says whether; how far that is from changing is measured from the figure's extents in
+-- the halfspace's frame (ST_Rotate), of that part of it which lies across the halfspace (ST_Intersection);
+-- what is within a nanometre of the bound is decided by that too.
 CREATE TEMPORARY TABLE aspect AS
-SELECT view, figure, reference, direction, meets, measured.margin,
-       CASE WHEN meets THEN greatest(margin, 0) ELSE least(margin, -1e-9) END AS relaxed,
-       least(CASE WHEN meets THEN greatest(margin, 0) ELSE least(margin, -1e-9) END,
+SELECT view, figure, reference, direction, meets, margin, relaxed,
+       least(relaxed,
              width + 1.5 * d - greatest(ST_YMax(here), -ST_YMin(here)),
              side.tz + d - greatest(a.z + a.tz - side.z, side.z - a.z + a.tz),
              ST_XMin(here) - (face - d), face + depth + d - ST_XMax(here)) AS strict
@@ -32,6 +32,9 @@ CROSS JOIN LATERAL (SELECT
     coalesce(ST_3DIntersects(a.grain, beyond), false)
     OR (NOT deep AND middle >= 0 AND ST_3DIntersects(a.grain, flush) AND NOT ST_3DIntersects(a.grain, back)) AS meets
 ) AS asked
+CROSS JOIN LATERAL (SELECT
+    CASE WHEN abs(margin) < 1e-9 THEN margin WHEN meets THEN greatest(margin, 0) ELSE least(margin, -1e-9)
+    END AS relaxed) AS decided
 WHERE ordered;
 
 CREATE UNIQUE INDEX ON aspect (view, figure, reference, direction);

@@ -3,10 +3,10 @@
 --
 -- inter is scaled, along the reference's axes, until it is D larger on each side. The points of the figure adjacent to
 -- inter are those of the figure in what was gained; their measure is its volume. Boxes being prisms, the
--- regions are intersected as plans and extruded.
+-- regions are intersected as plans, to the nanometre, and extruded.
 CREATE TEMPORARY TABLE frontier AS
 SELECT figure, reference,
-       {volume}(pg_temp.raised(ST_Intersection(grown, a_here), 0, a_height))
+       {volume}(pg_temp.raised(ST_Intersection(grown, a_here, 1e-9), 0, a_height))
        - {volume}(pg_temp.raised(shared, 0, height)) AS frontier
 FROM threshold, overlap
 JOIN minimum_box AS a ON a.thing = figure
@@ -18,7 +18,7 @@ CROSS JOIN LATERAL (SELECT
     least(a.z + a.tz, b.z + b.tz) AS high, greatest(a.z - a.tz, b.z - b.tz) AS low
     FROM minimum_box AS frame WHERE frame.thing = least(figure, reference)) AS placed
 CROSS JOIN LATERAL (SELECT
-    ST_Intersection(a_here, b_here) AS shared, high - low AS height,
+    ST_Intersection(a_here, b_here, 1e-9) AS shared, high - low AS height,
     least(high + d, a.z + a.tz) - greatest(low - d, a.z - a.tz) AS a_height) AS inter
 CROSS JOIN LATERAL (SELECT
     ST_Scale(shared,

@@ -20,11 +20,12 @@ CREATE TEMPORARY TABLE viewpoint (
     place geometry                   -- null for the world
 );
 
--- A plan view raised by a height: a solid, or less where the plan or the height is nothing.
+-- A plan view raised by a height: a solid, or less where the plan or the height is nothing. Below a nanometre is
+-- nothing, here and below: SFCGAL refuses slivers.
 CREATE OR REPLACE FUNCTION pg_temp.raised(plan geometry, bottom float8, height float8) RETURNS geometry
 LANGUAGE sql IMMUTABLE AS $$
     SELECT CASE
-        WHEN height <= 0 THEN ST_Force3D(plan, bottom)
+        WHEN height < 1e-9 THEN ST_Force3D(plan, bottom)
         WHEN ST_Dimension(plan) < 2 THEN {extrude}(ST_Force3D(plan, bottom), 0, 0, height)
         ELSE {makesolid}({extrude}(ST_Force3D(plan, bottom), 0, 0, height)) END
 $$;
@@ -33,8 +34,10 @@ $$;
 CREATE OR REPLACE FUNCTION pg_temp.rectangle(
     x0 float8, y0 float8, x1 float8, y1 float8, turn float8, east float8, north float8) RETURNS geometry
 LANGUAGE sql IMMUTABLE AS $$
-    SELECT ST_Translate(
-        ST_Rotate(ST_Envelope(ST_MakeLine(ST_MakePoint(x0, y0), ST_MakePoint(x1, y1))), turn), east, north)
+    SELECT ST_Translate(ST_Rotate(ST_Envelope(ST_MakeLine(
+        ST_MakePoint(x0, y0),
+        ST_MakePoint(CASE WHEN x1 - x0 < 1e-9 THEN x0 ELSE x1 END, CASE WHEN y1 - y0 < 1e-9 THEN y0 ELSE y1 END))),
+        turn), east, north)
 $$;
 
 -- A plan view as seen in a frame: turned back about the frame's origin, which becomes 0, 0.
