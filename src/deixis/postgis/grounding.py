@@ -70,8 +70,8 @@ _VOLUMES: Final = "SELECT thing, volume FROM size ORDER BY thing"
 def ground(where: str | psycopg.Connection[Any], scene: Scene) -> Facts:
     """Return the facts of a scene, measured as boxes by PostGIS and SFCGAL instead of by the kernel.
 
-    Truth values are the operators' of Table 1(a); how far each is from changing is measured on the same geometry
-    (decision 0048). The tables are temporary: nothing of the scene stays in the database.
+    Truth values are the operators' of Table 1(a); how far each is from changing is measured on the same
+    geometry (decision 0048). The tables are temporary: nothing of the scene stays in the database.
 
     Parameters
     ----------

@@ -27,8 +27,8 @@ _TURN: Final = 0x6465_6978
 class PostgresMap(SemanticMap):
     """A map in a PostgreSQL database; see :class:`~deixis.semantic_map.SemanticMap`.
 
-    Its tables are in the schema ``deixis`` and are made, or brought up to date, when it is opened. Where there
-    is PostGIS, hulls and boxes are kept as geometry too (decision 0049).
+    Its tables are in the schema ``deixis`` and are made, or brought up to date, when it is opened. Where
+    there is PostGIS, hulls and boxes are kept as geometry too (decision 0049).
 
     Parameters
     ----------

@@ -51,3 +51,11 @@ CREATE OR REPLACE FUNCTION pg_temp.common(low float8, high float8, half float8) 
 LANGUAGE sql IMMUTABLE AS $$
     SELECT least(high + half, half - low)
 $$;
+
+-- The volume of what two solids share; null where SFCGAL refuses what it has made itself, which rounding may have spoilt.
+CREATE OR REPLACE FUNCTION pg_temp.shared_volume(one geometry, other geometry) RETURNS float8
+LANGUAGE plpgsql AS $$ BEGIN
+    RETURN {volume}({intersection}(one, other));
+EXCEPTION WHEN internal_error THEN
+    RETURN NULL;
+END $$;
