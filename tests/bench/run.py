@@ -219,7 +219,7 @@ def sections() -> Iterator[tuple[str, Iterator[str]]]:
     yield "SPARQL over HTTP", server_bench.lines()
 
 
-def _wrapped(lines: Iterator[str]) -> Iterator[str]:
+def wrapped(lines: Iterator[str]) -> Iterator[str]:
     """Yield lines with the prose broken to the width of a page; tables and indented lines stay."""
     for line in lines:
         yield from [line] if line.startswith(("|", " ")) or not line else textwrap.wrap(line, 120)
@@ -230,7 +230,7 @@ def main(target: Path | None) -> None:
     lines = ["# Benchmarks", "", "Measured and written by `make bench`, all in one run. Warm, median times."]
     print("\n".join(lines))
     for title, content in sections():
-        part = ["", f"## {title}", "", *_wrapped(content)]
+        part = ["", f"## {title}", "", *wrapped(content)]
         print("\n".join(part), flush=True)
         lines += part
     if target:

@@ -90,7 +90,7 @@ def ground(where: str | psycopg.Connection[Any], scene: Scene) -> Facts:
         load(connection, scene)
         for row in ROWS:
             run(connection, row)
-        return _facts(connection, scene)
+        return facts(connection, scene)
 
 
 @contextmanager
@@ -151,8 +151,8 @@ def text(row: str) -> str:
     return (Path(__file__).resolve().parent / "sql" / f"{row}.sql").read_text(encoding="utf-8")
 
 
-def _facts(connection: psycopg.Connection[Any], scene: Scene) -> Facts:
-    """Return what the tables of a session hold."""
+def facts(connection: psycopg.Connection[Any], scene: Scene) -> Facts:
+    """Return what the tables of a session hold, after all rows of Table 1(a)."""
     columns = _columns(connection.execute(_PAIRS).fetchall(), 14)
     figure, reference = columns[0].astype(np.int64), columns[1].astype(np.int64)
     normal = columns[3:6].T

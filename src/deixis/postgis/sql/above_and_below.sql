@@ -21,19 +21,18 @@ CROSS JOIN LATERAL (SELECT
     -- From the face outwards.
     CASE direction WHEN 0 THEN a.bottom - b.top ELSE b.bottom - a.top END AS near,
     CASE direction WHEN 0 THEN a.top - b.top ELSE b.bottom - a.bottom END AS far_end,
-    CASE direction WHEN 0 THEN up ELSE down END AS escape, CASE direction WHEN 0 THEN down ELSE up END AS other
-) AS measured
+    CASE direction WHEN 0 THEN up ELSE down END AS escape, CASE direction WHEN 0 THEN down ELSE up END AS other OFFSET 0) AS measured
 CROSS JOIN LATERAL (SELECT least(
     across - 0.5 * d, depth - near,
     CASE WHEN NOT contact THEN CASE WHEN deep THEN far_end - d ELSE greatest(near + d, far_end - d) END
          WHEN escape = 'infinity' THEN near
-         ELSE least(across, p, other) - escape END) AS margin) AS size
+         ELSE least(across, p, other) - escape END) AS margin OFFSET 0) AS size
 CROSS JOIN LATERAL (SELECT
     across >= 0.5 * d AND (
         coalesce(ST_3DIntersects(a.slab, beyond), false)
-        OR (NOT deep AND ST_3DIntersects(a.slab, flush) AND NOT ST_3DIntersects(a.slab, back))) AS meets) AS asked
+        OR (NOT deep AND ST_3DIntersects(a.slab, flush) AND NOT ST_3DIntersects(a.slab, back))) AS meets OFFSET 0) AS asked
 CROSS JOIN LATERAL (SELECT
     CASE WHEN contact OR abs(margin) < 1e-9 THEN margin WHEN meets THEN greatest(margin, 0) ELSE least(margin, -1e-9)
-    END AS relaxed) AS decided;
+    END AS relaxed OFFSET 0) AS decided;
 
 CREATE UNIQUE INDEX ON vertical (figure, reference, direction);

@@ -27,16 +27,16 @@ CROSS JOIN LATERAL (SELECT
     -coalesce(ST_Angle(
         ST_MakeLine(ST_MakePoint(x, y), ST_MakePoint(x + cos(yaw), y + sin(yaw))),
         CASE WHEN place IS NULL THEN ST_MakeLine(ST_MakePoint(0, 0), ST_MakePoint(1, 0))
-             ELSE ST_MakeLine(place, ST_MakePoint(x, y)) END), yaw) AS angle) AS sight
+             ELSE ST_MakeLine(place, ST_MakePoint(x, y)) END), yaw) AS angle OFFSET 0) AS sight
 CROSS JOIN LATERAL (SELECT
-    round(angle / (0.5 * pi())) AS nearest) AS rounded
+    round(angle / (0.5 * pi())) AS nearest OFFSET 0) AS rounded
 CROSS JOIN LATERAL (SELECT
-    abs(abs(angle - nearest * 0.5 * pi()) - 0.25 * pi()) < 1e-7 AND hx - hy > 1e-7 * hx AS tie) AS even
+    abs(abs(angle - nearest * 0.5 * pi()) - 0.25 * pi()) < 1e-7 AND hx - hy > 1e-7 * hx AS tie OFFSET 0) AS even
 CROSS JOIN LATERAL (SELECT
     nearest + CASE WHEN NOT tie OR nearest::bigint % 2 <> 0 THEN 0
-                   ELSE sign(angle - nearest * 0.5 * pi()) END AS quarters) AS chosen
+                   ELSE sign(angle - nearest * 0.5 * pi()) END AS quarters OFFSET 0) AS chosen
 CROSS JOIN LATERAL (SELECT
-    angle - quarters * 0.5 * pi() AS turn, wall_seen OR quarters::bigint % 2 <> 0 AS crossed) AS turned;
+    angle - quarters * 0.5 * pi() AS turn, wall_seen OR quarters::bigint % 2 <> 0 AS crossed OFFSET 0) AS turned;
 
 CREATE UNIQUE INDEX ON contextualised_box (thing, view);
 ANALYZE contextualised_box;

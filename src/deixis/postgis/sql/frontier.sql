@@ -16,15 +16,15 @@ CROSS JOIN LATERAL (SELECT
     pg_temp.seen(a.thick_plan, frame.yaw, frame.x, frame.y) AS a_here,
     pg_temp.seen(b.thick_plan, frame.yaw, frame.x, frame.y) AS b_here,
     least(a.z + a.tz, b.z + b.tz) AS high, greatest(a.z - a.tz, b.z - b.tz) AS low
-    FROM minimum_box AS frame WHERE frame.thing = least(figure, reference)) AS placed
+    FROM minimum_box AS frame WHERE frame.thing = least(figure, reference) OFFSET 0) AS placed
 CROSS JOIN LATERAL (SELECT
     ST_Intersection(a_here, b_here, 1e-9) AS shared, high - low AS height,
-    least(high + d, a.z + a.tz) - greatest(low - d, a.z - a.tz) AS a_height) AS inter
+    least(high + d, a.z + a.tz) - greatest(low - d, a.z - a.tz) AS a_height OFFSET 0) AS inter
 CROSS JOIN LATERAL (SELECT
     ST_Scale(shared,
              ST_MakePoint(1 + 2 * d / (ST_XMax(shared) - ST_XMin(shared)),
                           1 + 2 * d / (ST_YMax(shared) - ST_YMin(shared))),
-             ST_Centroid(shared)) AS grown) AS scaled
+             ST_Centroid(shared)) AS grown OFFSET 0) AS scaled
 WHERE separation < -1e-9 AND ST_Dimension(shared) = 2 AND height > 0;
 
 CREATE UNIQUE INDEX ON frontier (figure, reference);

@@ -9,7 +9,7 @@ SELECT figure AS one, reference AS other, told IS NULL AS refused,
 FROM overlap
 JOIN minimum_box AS a ON a.thing = figure
 JOIN minimum_box AS b ON b.thing = reference
-CROSS JOIN LATERAL (SELECT pg_temp.shared_volume(a.solid, b.solid) AS told) AS asked
+CROSS JOIN LATERAL (SELECT pg_temp.shared_volume(a.solid, b.solid) AS told OFFSET 0) AS asked
 WHERE figure < reference AND separation < -1e-9 AND least(a.hx, a.hy, a.hz, b.hx, b.hy, b.hz) > 0;
 
 CREATE UNIQUE INDEX ON inter (one, other);

@@ -16,7 +16,7 @@ CROSS JOIN LATERAL (SELECT
     CASE axis WHEN 0 THEN fx ELSE fy END AS face,
     CASE axis WHEN 0 THEN ty ELSE tx END - 0.5 * d AS width,
     CASE WHEN endless = axis THEN far ELSE 2 * s * CASE axis WHEN 0 THEN tx ELSE ty END END AS depth,
-    z - tz + 0.5 * d AS low, 2 * tz - d AS height) AS measured
+    z - tz + 0.5 * d AS low, 2 * tz - d AS height OFFSET 0) AS measured
 WHERE spoken_of;
 
 CREATE UNIQUE INDEX ON sides (thing, view, direction);

@@ -1,5 +1,5 @@
 -- What the rows of Table 1(a) work on. All of it is temporary and filled by COPY: nothing of a scene is ever in
--- the text of a statement.
+-- the text of a statement. In all files OFFSET 0 keeps PostgreSQL from computing a column anew wherever it is named.
 
 CREATE TEMPORARY TABLE threshold (
     d float8,                        -- granularity, metres

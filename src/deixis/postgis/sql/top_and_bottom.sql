@@ -12,6 +12,6 @@ SELECT thing, direction, depth,
            AS back
 FROM threshold, minimum_box
 CROSS JOIN (VALUES (0), (1)) AS way (direction)
-CROSS JOIN LATERAL (SELECT CASE kind WHEN 'level' THEN far ELSE 2 * s * tz END AS depth) AS deep;
+CROSS JOIN LATERAL (SELECT CASE kind WHEN 'level' THEN far ELSE 2 * s * tz END AS depth OFFSET 0) AS deep;
 
 CREATE UNIQUE INDEX ON top_and_bottom (thing, direction);
