@@ -11,11 +11,12 @@ from typing import Final
 
 import numpy as np
 
+from deixis.boxes import convex_hull_2d
 from deixis.frames import Array
 from deixis.regions import MeshRegion, PointRegion
 from deixis.scene import Scene
 
-_POINT, _LINE, _POLYGON, _POINTS, _POLYHEDRON = (0x80000000 | kind for kind in (1, 2, 3, 4, 15))
+_POINT, _LINE, _POLYGON, _POLYHEDRON = (0x80000000 | kind for kind in (1, 2, 3, 15))
 
 _FACES: Final = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 """A box's faces, counter-clockwise seen from outside: four corners below, then four above them."""
@@ -25,7 +26,7 @@ _FLAT: Final = 1.0e-6
 
 
 def hulls(scene: Scene, origin: Array) -> Iterator[str]:
-    """Yield the convex hull of each thing's region, in hexadecimal, in the frame whose origin is given.
+    """Yield the convex hull of each thing's region, in hexadecimal, with coordinates from the origin given.
 
     A surface is the rectangle of its plane (decision 0005), as thick as it is.
 
@@ -47,7 +48,7 @@ def hulls(scene: Scene, origin: Array) -> Iterator[str]:
 
 
 def boxes(scene: Scene, origin: Array) -> Iterator[str]:
-    """Yield the minimum bounding box of each thing, in hexadecimal, in the frame whose origin is given."""
+    """Yield the minimum bounding box of each thing, in hexadecimal, with coordinates from the origin given."""
     own = scene.boxes
     for center, half, yaw in zip(own.center - origin, own.half, own.yaw.tolist(), strict=True):
         yield _box(center, half, yaw).hex()
@@ -76,17 +77,28 @@ def _box(center: Array, half: Array, yaw: float) -> bytes:
 def _hull(points: Array) -> bytes:
     from scipy.spatial import ConvexHull
 
-    points = np.unique(points, axis=0)
     spread = points - points.mean(axis=0)
-    if len(points) < 4 or np.ptp(spread @ np.linalg.svd(spread, full_matrices=False)[2][2]) < _FLAT:
-        parts = (struct.pack("<BI", 1, _POINT) + _coordinates(point) for point in points)
-        return _head(_POINTS, len(points)) + b"".join(parts)
+    # Directions in which the points spread, least first.
+    ways = np.linalg.eigh(spread.T @ spread)[1]
+    if len(points) < 4 or np.ptp(spread @ ways[:, 0]) < _FLAT:
+        return _flat(points, spread @ ways[:, 1:])
     found = ConvexHull(points)
     corners = points[found.simplices]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     inwards = (normals * found.equations[:, :3]).sum(axis=1) < 0.0
     corners[inwards] = corners[inwards][:, ::-1]
     return _polyhedron(list(corners))
+
+
+def _flat(points: Array, plane: Array) -> bytes:
+    """Return the hull of points that lie in a plane, with their places in it, (m, 2): a polygon or less."""
+    ring = convex_hull_2d(plane).reshape(-1, 2)
+    corners = points[[int(np.abs(plane - corner).sum(axis=1).argmin()) for corner in ring]]
+    if len(ring) > 2:
+        return _polygon(corners)
+    if len(ring) == 2:
+        return _head(_LINE, 2) + _coordinates(corners)
+    return struct.pack("<BI", 1, _POINT) + _coordinates(corners)
 
 
 def _polyhedron(faces: list[Array]) -> bytes:

@@ -83,15 +83,16 @@ CROSSED = Scene(
 )
 
 INTRODUCTION = (
-    "Written by `make coverage`; a test makes it anew and compares all but the milliseconds. Each row of Table "
-    "1(a) is a file of SQL that anyone can read. What it says is compared with what our kernel says of the same "
-    "things, or pairs. The milliseconds are of the file, for each row that it makes, on a machine with other "
-    "work. The functions of SFCGAL are spelt `ST_` before PostGIS 3.5 and `CG_` since; both are found."
+    "Written by `make coverage`; a test makes it anew and compares all but the milliseconds. Each row of "
+    "Table 1(a) is a file of SQL that anyone can read. What it says is compared with what our kernel says of "
+    "the same things, or pairs. The milliseconds are of the file, for each row that it makes, on a machine "
+    "with other work. The functions of SFCGAL are spelt `ST_` before PostGIS 3.5 and `CG_` since; both are "
+    "found."
 )
 
 THE_FACTS = (
-    "`deixis.postgis.ground` returns the table that our kernel returns: the operators say what holds, and how far "
-    "that is from changing is measured on the same geometry (decision 0048)."
+    "`deixis.postgis.ground` returns the table that our kernel returns: the operators say what holds, and "
+    "how far that is from changing is measured on the same geometry (decision 0048)."
 )
 
 
@@ -153,9 +154,9 @@ def cases(connection: psycopg.Connection[Any]) -> Iterator[str]:
         "B: centre (0, 0, 0.1), size (0.2, 0.7, 0.4), yaw 0.7"
     )
     yield (
-        f"  `frontier.sql` says {a:.5f} m3 of A and {b:.5f} m3 of B, so A is partly in B; right is {ours:.5f} "
-        f"and {back:.5f}, so B is partly in A: ST_Scale moves a slanting face by another distance than a square "
-        "one."
+        f"  `frontier.sql` says {a:.5f} m3 of A and {b:.5f} m3 of B, so A is partly in B; right is "
+        f"{ours:.5f} and {back:.5f}, so B is partly in A: ST_Scale moves a slanting face by another distance "
+        "than a square one."
     )
 
 
@@ -165,10 +166,10 @@ def text(connection: psycopg.Connection[Any], rooms: int, things: int, clouds: i
     study.look_at_clouds(random_clouds(clouds))
     for seed in range(rooms):
         study.look(random_room(things, seed))
-    scope = f"{rooms} rooms of {things} boxes with a view each, a floor and two walls among them; {clouds:,} clouds."
+    scope = f"{rooms} rooms of {things} boxes with a view each, a floor and two walls among them"
     sections = (
         ("# Coverage: Table 1 of the paper, operator by operator", [*wrapped(iter([INTRODUCTION]))]),
-        ("## The operators", [f"{release(connection)}. {scope}", "", *operators(study)]),
+        ("## The operators", [f"{release(connection)}. {scope}; {clouds:,} clouds.", "", *operators(study)]),
         ("## The facts", [*wrapped(iter([THE_FACTS])), "", *facts(study)]),
         ("## What follows", ["The same rules, on the facts of either.", "", *relations(study)]),
         ("## Where PostGIS cannot do what an axiom says", [*cases(connection)]),

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deixis.errors import QueryError
-from deixis.strict_json import quoted
 
 if TYPE_CHECKING:
     from deixis.facts import Facts
@@ -45,7 +44,7 @@ def measured(scene: Scene, grounding: Grounding, region: str, database: str | No
             f"PostGIS measures boxes, and --region {region} asks for more: use --grounding kernel"
         )
     if database is None or not database.startswith(("postgresql://", "postgres://")):
-        given = "none is given" if database is None else f"{quoted(database, 200)} is none"
+        given = "none is given" if database is None else "--db names none"
         raise QueryError(f"PostGIS measures in a PostgreSQL database, and {given}: use --db postgresql://...")
     from deixis.postgis import ground
 

@@ -5,8 +5,7 @@
 -- reference. The operator says whether; how far that is from changing is measured from the same extents, which also
 -- decide what is within a nanometre of the bound.
 CREATE TEMPORARY TABLE vertical AS
-SELECT figure, reference, direction,
-       meets, margin, relaxed,
+SELECT figure, reference, direction, meets, margin, relaxed,
        least(relaxed,
              d - greatest(ST_XMax(here) - b.tx, -b.tx - ST_XMin(here), ST_YMax(here) - b.ty, -b.ty - ST_YMin(here)),
              near + d, depth + d - far_end) AS strict
@@ -21,7 +20,8 @@ CROSS JOIN LATERAL (SELECT
     -- From the face outwards.
     CASE direction WHEN 0 THEN a.bottom - b.top ELSE b.bottom - a.top END AS near,
     CASE direction WHEN 0 THEN a.top - b.top ELSE b.bottom - a.bottom END AS far_end,
-    CASE direction WHEN 0 THEN up ELSE down END AS escape, CASE direction WHEN 0 THEN down ELSE up END AS other OFFSET 0) AS measured
+    CASE direction WHEN 0 THEN up ELSE down END AS escape, CASE direction WHEN 0 THEN down ELSE up END AS other
+    OFFSET 0) AS measured
 CROSS JOIN LATERAL (SELECT least(
     across - 0.5 * d, depth - near,
     CASE WHEN NOT contact THEN CASE WHEN deep THEN far_end - d ELSE greatest(near + d, far_end - d) END
@@ -30,7 +30,8 @@ CROSS JOIN LATERAL (SELECT least(
 CROSS JOIN LATERAL (SELECT
     across >= 0.5 * d AND (
         coalesce(ST_3DIntersects(a.slab, beyond), false)
-        OR (NOT deep AND ST_3DIntersects(a.slab, flush) AND NOT ST_3DIntersects(a.slab, back))) AS meets OFFSET 0) AS asked
+        OR (NOT deep AND ST_3DIntersects(a.slab, flush) AND NOT ST_3DIntersects(a.slab, back))) AS meets
+    OFFSET 0) AS asked
 CROSS JOIN LATERAL (SELECT
     CASE WHEN contact OR abs(margin) < 1e-9 THEN margin WHEN meets THEN greatest(margin, 0) ELSE least(margin, -1e-9)
     END AS relaxed OFFSET 0) AS decided;

@@ -30,7 +30,8 @@ CROSS JOIN LATERAL (SELECT least(
     face + depth - ST_XMin(within_reach)) AS margin OFFSET 0) AS measured
 CROSS JOIN LATERAL (SELECT
     coalesce(ST_3DIntersects(a.grain, beyond), false)
-    OR (NOT deep AND middle >= 0 AND ST_3DIntersects(a.grain, flush) AND NOT ST_3DIntersects(a.grain, back)) AS meets OFFSET 0) AS asked
+    OR (NOT deep AND middle >= 0 AND ST_3DIntersects(a.grain, flush) AND NOT ST_3DIntersects(a.grain, back)) AS meets
+    OFFSET 0) AS asked
 CROSS JOIN LATERAL (SELECT
     CASE WHEN abs(margin) < 1e-9 THEN margin WHEN meets THEN greatest(margin, 0) ELSE least(margin, -1e-9)
     END AS relaxed OFFSET 0) AS decided

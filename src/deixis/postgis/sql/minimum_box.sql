@@ -1,7 +1,8 @@
 -- Table 1(a), row 1. Convex hull -> minimum oriented box: ST_OrientedEnvelope, ST_ZMin, ST_ZMax, ST_Extrude.
 --
--- The operator refuses a polyhedron, so it is given its corners. The envelope's longer side is the box's X axis. A side below a nanometre is none, so that a wall's plan is a
--- line whatever way it was turned. "grain" is the box with no side thinner than D, "slab" has only its plan so.
+-- ST_OrientedEnvelope refuses a polyhedron, so it is given its corners. Its longer side is the box's X axis. A side
+-- below a nanometre is none, so that a wall's plan is a line whatever way it was turned. "grain" is the box with no
+-- side thinner than D, "slab" has only its plan so.
 CREATE TEMPORARY TABLE minimum_box AS
 SELECT thing, kind, kind <> 'thing' AS surface, x, y, bottom, top, hx, hy, 0.5 * (top - bottom) AS hz, yaw,
        greatest(hx, 0.5 * d) AS tx, greatest(hy, 0.5 * d) AS ty, greatest(0.5 * (top - bottom), 0.5 * d) AS tz,
@@ -11,7 +12,8 @@ SELECT thing, kind, kind <> 'thing' AS surface, x, y, bottom, top, hx, hy, 0.5 *
        pg_temp.raised(thick_plan, least(bottom, 0.5 * (bottom + top - d)), greatest(top - bottom, d)) AS grain
 FROM threshold, hull
 CROSS JOIN LATERAL (SELECT
-    ST_OrientedEnvelope(ST_Force2D(ST_Points(region))) AS fitted, ST_ZMin(region) AS bottom, ST_ZMax(region) AS top OFFSET 0) AS envelope
+    ST_OrientedEnvelope(ST_Force2D(ST_Points(region))) AS fitted, ST_ZMin(region) AS bottom, ST_ZMax(region) AS top
+    OFFSET 0) AS envelope
 CROSS JOIN LATERAL (SELECT
     -- Three corners one after the other; of a line its ends, of a point itself.
     CASE ST_Dimension(fitted) WHEN 2 THEN ST_PointN(ST_ExteriorRing(fitted), 1)

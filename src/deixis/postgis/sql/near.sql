@@ -8,7 +8,8 @@ WITH reach AS MATERIALIZED (
            greatest(farthest, t) + 1e-6 AS farthest
     FROM threshold, minimum_box
     CROSS JOIN LATERAL (SELECT CASE WHEN surface THEN far
-        ELSE greatest(2 * s * greatest(tx, ty) + sqrt(tx * tx + ty * ty), 2 * s * tz) END AS farthest OFFSET 0) AS sweep)
+        ELSE greatest(2 * s * greatest(tx, ty) + sqrt(tx * tx + ty * ty), 2 * s * tz) END AS farthest
+    OFFSET 0) AS sweep)
 SELECT a.thing AS figure, b.thing AS reference, ordered, ST_3DDistance(a.solid, b.solid) AS distance,
        ST_3DShortestLine(b.solid, a.solid) AS shortest
 FROM minimum_box AS a

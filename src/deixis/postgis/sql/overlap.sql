@@ -5,7 +5,8 @@
 -- thing has no way out through its bottom, nor the thing through its content's top (decision 0004).
 CREATE TEMPORARY TABLE overlap AS
 SELECT figure, reference, ordered, protrusion AS sticks_out, thick AS across, up, down, intersects,
-       round(CASE WHEN NOT intersects THEN distance ELSE -least(sideways, up, down) END::numeric, 9)::float8 AS separation,
+       round(CASE WHEN NOT intersects THEN distance ELSE -least(sideways, up, down) END::numeric, 9)::float8
+           AS separation,
        CASE WHEN NOT intersects THEN ARRAY[
                 ST_X(ST_EndPoint(shortest)) - ST_X(ST_StartPoint(shortest)),
                 ST_Y(ST_EndPoint(shortest)) - ST_Y(ST_StartPoint(shortest)),
@@ -19,7 +20,8 @@ CROSS JOIN LATERAL (SELECT
     -- Half a nanometre apart is not apart.
     distance < 0.5e-9 OR ST_3DIntersects(a.solid, b.solid) AS intersects,
     pg_temp.seen(a.plan, b.yaw, b.x, b.y) AS a_in_b, pg_temp.seen(a.thick_plan, b.yaw, b.x, b.y) AS thick_a_in_b,
-    pg_temp.seen(b.plan, a.yaw, a.x, a.y) AS b_in_a, pg_temp.seen(b.thick_plan, a.yaw, a.x, a.y) AS thick_b_in_a OFFSET 0) AS plans
+    pg_temp.seen(b.plan, a.yaw, a.x, a.y) AS b_in_a, pg_temp.seen(b.thick_plan, a.yaw, a.x, a.y) AS thick_b_in_a
+    OFFSET 0) AS plans
 CROSS JOIN LATERAL (SELECT
     pg_temp.common(ST_XMin(a_in_b), ST_XMax(a_in_b), b.hx) AS of_b_x,
     pg_temp.common(ST_YMin(a_in_b), ST_YMax(a_in_b), b.hy) AS of_b_y,

@@ -52,7 +52,7 @@ LANGUAGE sql IMMUTABLE AS $$
     SELECT least(high + half, half - low)
 $$;
 
--- The volume of what two solids share; null where SFCGAL refuses what it has made itself, which rounding may have spoilt.
+-- The volume of what two solids share; null where SFCGAL refuses what it has made itself, which rounding may spoil.
 CREATE OR REPLACE FUNCTION pg_temp.shared_volume(one geometry, other geometry) RETURNS float8
 LANGUAGE plpgsql AS $$ BEGIN
     RETURN {volume}({intersection}(one, other));

@@ -4,7 +4,7 @@
 CREATE TABLE shape (
     frame bigint NOT NULL,
     position integer NOT NULL,       -- as in thing
-    hull geometry NOT NULL,          -- world frame, metres: a polyhedral surface; of a surface, or what is flat, a polygon
+    hull geometry NOT NULL,          -- world frame, metres: a polyhedral surface; of what is flat a polygon
     box geometry NOT NULL,
     PRIMARY KEY (frame, position),
     FOREIGN KEY (frame, position) REFERENCES thing (frame, position)
