@@ -21,9 +21,9 @@ from deixis.errors import GeometryError, MissingDependency, QueryError
 from deixis.facts import Facts
 from deixis.grounding import ground
 from deixis.knowledge import KnowledgeBase
+from deixis.polyhedra import hulls
 from deixis.postgis import ground as postgis_ground
 from deixis.postgis import grounding as tables
-from deixis.polyhedra import hulls
 from deixis.postgis.functions import names
 from deixis.scene import Scene
 from deixis.semantic_map import create_map

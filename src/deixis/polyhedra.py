@@ -48,7 +48,7 @@ def hulls(scene: Scene, origin: Array) -> Iterator[str]:
 
 
 def boxes(scene: Scene, origin: Array) -> Iterator[str]:
-    """Yield the minimum bounding box of each thing, in hexadecimal, with coordinates from the origin given."""
+    """Yield the minimum bounding box of each thing, in hexadecimal, in coordinates from the origin."""
     own = scene.boxes
     for center, half, yaw in zip(own.center - origin, own.half, own.yaw.tolist(), strict=True):
         yield _box(center, half, yaw).hex()
