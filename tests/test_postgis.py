@@ -85,6 +85,9 @@ def differences(mine: Facts, theirs: Facts) -> list[str]:
         ):
             found.append(f"{one.view}: what is spoken of")
             continue
+        silent = {thing for thing, _ in one.withheld}
+        if set(one.ambiguous) - silent != set(other.ambiguous) - silent:
+            found.append(f"{one.view}: ties")
         for name in ("int_hs", "cont_hs"):
             ours, told = getattr(one, name), getattr(other, name)
             if not (np.array_equal(ours >= 0.0, told >= 0.0) and same(ours[ours >= 0.0], told[ours >= 0.0])):

@@ -132,16 +132,9 @@ class Study:
             self._topology(session, mine)
             self._direction(session, mine)
         self._facts(mine, theirs)
-        for name, found in (("relations", mine), ("differing", theirs)):
-            with KnowledgeBase(scene, facts=found) as kb:
-                told = {
-                    (one.relation, one.figure, one.reference, one.view)
-                    for one in kb.relations(relation=SPOKEN)
-                }
-            if name == "relations":
-                kept = told
-        self.relations.update(one[0] for one in kept)
-        self.differing.update(one[0] for one in kept ^ told)
+        by_mine, by_theirs = _spoken(scene, mine), _spoken(scene, theirs)
+        self.relations.update(one[0] for one in by_mine)
+        self.differing.update(one[0] for one in by_mine ^ by_theirs)
 
     def look_at_clouds(self, scene: Scene) -> None:
         """Compare the minimum boxes of point clouds."""
@@ -304,6 +297,14 @@ class Study:
         for name, ours, told in columns:
             self.numbers[name] += ours.size
             self.other[name] += int((np.abs(ours.astype(float) - told) > 2.0 * SNAP).sum())
+
+
+def _spoken(scene: Scene, facts: Facts) -> set[tuple[str, ...]]:
+    """Return the relations of Table 1(b) that follow."""
+    with KnowledgeBase(scene, facts=facts) as kb:
+        return {
+            (one.relation, one.figure, one.reference, one.view or "") for one in kb.relations(relation=SPOKEN)
+        }
 
 
 def _framed(scene: Scene) -> list[Any]:

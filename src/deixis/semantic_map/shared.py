@@ -20,6 +20,10 @@ except ImportError as cause:
 _SCHEMA: Final = "deixis"
 """Where our tables are in the database; other tables are neither seen nor touched."""
 
+_SPATIAL: Final = """
+SELECT to_regtype('geometry') IS NOT NULL AND EXISTS (SELECT FROM pg_extension WHERE extname = 'postgis')
+"""
+
 _TURN: Final = 0x6465_6978
 """Number of the lock that those who make or change the tables take in turn."""
 
@@ -65,7 +69,7 @@ class PostgresMap(SemanticMap):
             run("CREATE TABLE IF NOT EXISTS migration (number integer PRIMARY KEY)")
             done = [number for (number,) in self._rows("SELECT number FROM migration")]
             # PostGIS may come later: then what needs it is made when the map is opened next.
-            (spatial,) = self._rows("SELECT to_regtype('geometry') IS NOT NULL")[0]
+            (spatial,) = self._rows(_SPATIAL)[0]
             for number, text in migrations(done, "postgresql", *(["postgis"] if spatial else [])):
                 # A text of our own, of several statements, without values.
                 run(text.encode())
