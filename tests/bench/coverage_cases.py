@@ -77,7 +77,7 @@ class Case:
         for name, (center, size, yaw) in zip("AB", self.boxes, strict=False):
             numbers = [", ".join(f"{value!r}" for value in part) for part in (center, size)]
             told.append(
-                f"{name}: centre ({numbers[0]}), size ({numbers[1]})" + (f", yaw {yaw:g}" if yaw else "")
+                f"{name}: centre ({numbers[0]}), size ({numbers[1]})" + (f", yaw {yaw!r}" if yaw else "")
             )
         return "; ".join(told)
 
@@ -87,6 +87,19 @@ _BESIDE = (
     0.5 + 0.5 * (0.9 + 0.7) * math.cos(_TURN) - _OFF * math.sin(_TURN),
     -0.2 + 0.5 * (0.9 + 0.7) * math.sin(_TURN) + _OFF * math.cos(_TURN),
     0.5,
+)
+
+_REFUSED = (
+    (
+        (-2.738816140901986, 0.44682180369712804, -0.5286641871211113),
+        (0.8897845462925174, 0.7618079969359866, 0.6586716257577772),
+        -4.388364674152634,
+    ),
+    (
+        (-2.0748010069637175, 0.4570763879819366, -0.5603908319869784),
+        (0.723106338217961, 0.6104966634783672, 0.5952183360260432),
+        -3.268978880377018,
+    ),
 )
 
 _HULL = "ST_GeomFromText(ST_AsText({0}))"
@@ -148,6 +161,13 @@ CASES = (
         (((0, 0, 1), (0.2, 0.2, 0.3), 0.0), ((0, 0, 1), (1, 0.8, 2), 0.0)),
         f"ST_3DDistance({_HULL.format('{A}')}, {_HULL.format('{B}')})",
         "0, for the same reason",
+    ),
+    Case(
+        "inter",
+        "two of the random boxes",
+        _REFUSED,
+        "round({volume}({intersection}({A}, {B}))::numeric, 9)::float8",
+        "0.032384855 m3; rounded to float64 the faces of what ST_3DIntersection returns cut themselves",
     ),
     Case(
         "ComplCont",

@@ -1,7 +1,7 @@
 -- Table 1(a), row 8. Minimum oriented boxes -> inter: ST_3DIntersection, and its ST_Volume (axiom 18).
 --
--- The same for both orders of a pair, so asked once; what is no solid shares no volume. Boxes are prisms: where the
--- operators refuse a sliver, it is the area that the plans share times the height.
+-- The same for both orders of a pair, so asked once; what is no solid shares no volume. Boxes are prisms: where
+-- SFCGAL refuses what it has made itself, it is the area that the plans share times the height.
 CREATE TEMPORARY TABLE inter AS
 SELECT figure AS one, reference AS other, told IS NULL AS refused,
        coalesce(told, ST_Area(ST_Intersection(a.plan, b.plan)) * (least(a.top, b.top) - greatest(a.bottom, b.bottom)))

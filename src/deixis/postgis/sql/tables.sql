@@ -21,7 +21,7 @@ CREATE TEMPORARY TABLE viewpoint (
 );
 
 -- A plan view raised by a height: a solid, or less where the plan or the height is nothing. Below a nanometre is
--- nothing, here and below: SFCGAL refuses slivers.
+-- nothing, here and below, since SFCGAL refuses slivers.
 CREATE OR REPLACE FUNCTION pg_temp.raised(plan geometry, bottom float8, height float8) RETURNS geometry
 LANGUAGE sql IMMUTABLE AS $$
     SELECT CASE
