@@ -8,7 +8,7 @@ EXTRAS := --extra mesh --extra rdf --extra server
 LOCK := UV_CUSTOM_COMPILE_COMMAND="make lock" uv pip compile --quiet --universal --python-version 3.11 \
 	--generate-hashes --fork-strategy fewest pyproject.toml
 
-.PHONY: help setup demo shell doctor test test-long bench check lint rules page pictures wheel lock clean
+.PHONY: help setup demo shell doctor test test-long bench coverage check lint rules page pictures wheel lock clean
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -33,6 +33,9 @@ test-long: .venv/.dev ## the tests that take minutes
 # clingo and Nemo are measured too where the dependency group `bench` is installed.
 bench: .venv/.dev ## measure it beside others and write kb/benchmarks.md (minutes)
 	PYTHONPATH=tests $(BIN)/python -m bench.run kb/benchmarks.md
+
+coverage: .venv/.dev ## Table 1 of the paper in PostGIS, written to kb/coverage.md (minutes)
+	PYTHONPATH=tests $(BIN)/python -m bench.coverage kb/coverage.md
 
 check: lint rules ## what takes seconds: lint, and the rules with their own tests
 

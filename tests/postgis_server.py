@@ -15,6 +15,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +51,9 @@ def postgis() -> Iterator[str]:
     PostgisUnavailable
         A program or an extension is missing, or the server does not start.
     """
+    # Before anything is started: a server that has only just begun to start is slow to be stopped.
+    if find_spec("psycopg") is None:
+        raise PostgisUnavailable("psycopg was not found; pip install 'psycopg[binary]'")
     programs = _programs()
     user = _user()
     # The path of a Unix socket may have a hundred characters: not below a test's own temporary folder.
@@ -141,10 +145,8 @@ def _run(command: list[Any], home: Path, user: dict[str, Any]) -> None:
 
 def _prepare(address: str, server: subprocess.Popen[bytes], log: Path) -> None:
     """Wait until the server answers, and make the extensions."""
-    try:
-        import psycopg
-    except ImportError as cause:
-        raise PostgisUnavailable("psycopg was not found; pip install 'psycopg[binary]'") from cause
+    import psycopg
+
     deadline = time.monotonic() + 60.0
     while True:
         try:

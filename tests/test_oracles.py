@@ -17,12 +17,14 @@ from psycopg.sql import SQL
 
 import oracles
 import postgis_server
-from bench import growth, postgis_sql, run, shapely_loop
+from bench import growth, run, shapely_loop
 from bench.job import RELATIVE, Answers, Frame, Thing, frames, room, scattered, things
 from deixis import measures
 from deixis.boxes import NO_NORMAL, Boxes
 from deixis.facts import Facts
 from deixis.grounding import ground
+from deixis.postgis import ground as postgis_ground
+from deixis.postgis.functions import names
 from oracles import Seen
 from postgis_server import PostgisUnavailable, postgis
 from scenes import box, scene
@@ -156,8 +158,7 @@ def test_shapely_agrees_on_a_room(seed: int) -> None:
 @pytest.mark.parametrize("count", [24, pytest.param(100, marks=pytest.mark.long)])
 def test_postgis_agrees_on_a_room(count: int, connection: psycopg.Connection) -> None:
     one = room(count, seed=3)
-    postgis_sql.load(connection, one)
-    assert Answers.of(ground(one)).differences(postgis_sql.answers(connection, one)) == []
+    assert Answers.of(ground(one)).differences(Answers.of(postgis_ground(connection, one))) == []
 
 
 def test_a_single_other_answer_is_noticed() -> None:
@@ -183,7 +184,7 @@ def test_the_competitors_refuse_thin_things() -> None:
 
 SOLIDS = """
 WITH made AS MATERIALIZED (
-    SELECT pair, {solid}({extrude}(ST_Translate(ST_Rotate(ST_Force3D(
+    SELECT pair, {makesolid}({extrude}(ST_Translate(ST_Rotate(ST_Force3D(
         ST_MakeEnvelope(-hx, -hy, hx, hy)), yaw), x, y, z - hz), 0, 0, 2 * hz)) AS shape, first
     FROM boxes)
 SELECT ST_3DDistance(a.shape, b.shape),
@@ -218,7 +219,7 @@ def test_postgis_measures_the_same(spread: float, connection: psycopg.Connection
         for first, boxes in ((True, a), (False, b)):
             for pair, row in enumerate(np.column_stack([boxes.center, boxes.half, boxes.yaw]).tolist()):
                 copy.write_row((pair, first, *row))
-    rows = connection.execute(SQL(SOLIDS).format(**postgis_sql.names(connection))).fetchall()
+    rows = connection.execute(SQL(SOLIDS).format(**names(connection))).fetchall()
     distance, volume = np.array(rows, dtype=np.float64).T
     place = measures.place(a, b)
     no = np.zeros(count, dtype=bool)

@@ -60,6 +60,9 @@ def test_wheel_holds_all_rules_and_all_knowledge(root: Path, wheel: Path) -> Non
     packed = set(zipfile.ZipFile(wheel).namelist())
     assert {n for n in packed if n.startswith("deixis/rules/")} == names(root / "rules") != set()
     assert {n for n in packed if n.startswith("deixis/kb/")} == names(root / "kb") != set()
+    source = root / "src" / "deixis"
+    sql = {f"deixis/{path.relative_to(source).as_posix()}" for path in source.rglob("*.sql")}
+    assert {n for n in packed if n.endswith(".sql")} == sql != set()
     assert "deixis/py.typed" in packed
     assert f"deixis-{deixis.__version__}.dist-info/licenses/LICENSE" in packed
 

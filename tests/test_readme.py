@@ -11,6 +11,7 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from urllib.parse import quote
 
 import pytest
 
@@ -21,6 +22,7 @@ from deixis.cli import live, maps, questions, view, words  # noqa: F401 - they a
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from endpoint import serving
+from postgis_server import PostgisUnavailable, postgis
 from readme import README, blocks, check, shown_after
 
 
@@ -86,6 +88,18 @@ def test_the_map_tells_what_the_readme_shows(root: Path, tmp_path: Path) -> None
     results = [run(*shlex.split(line)[1:], cwd=tmp_path) for line in block["text"].splitlines()]
     assert {result.code for result in results} == {0}
     check(shown_after(block), "".join(result.out for result in results).expandtabs())
+
+
+def test_postgis_measures_what_the_readme_shows(root: Path) -> None:
+    (block,) = (one for one in blocks("bash") if one["text"].startswith("deixis relations"))
+    try:
+        with postgis() as address:
+            home = quote(address.split()[0].removeprefix("host="), safe="")
+            place = f"postgresql://deixis@/postgres?host={home}"
+            command = block["text"].replace("postgresql:///robot", place)
+            check(shown_after(block), run(*shlex.split(command)[1:], cwd=root).out)
+    except PostgisUnavailable as reason:
+        pytest.skip(str(reason))
 
 
 def test_prolog_answers_what_the_readme_shows(root: Path) -> None:

@@ -63,6 +63,7 @@ def room(*things: dict[str, Any], name: str = "room") -> Scene:
     return scene(*things, name=name)
 
 
+CORNERS = list(itertools.product((0.0, 1.0), repeat=3))
 CUP = box("cup", (0, 0, 1), (0.1, 0.1, 0.1))
 TABLE = box("table", (0, 0, 0.5), (1, 1, 0.9))
 
@@ -307,6 +308,39 @@ def test_frames_outlive_kill_9(tmp_path: Path) -> None:
 @pytest.mark.long
 def test_frames_outlive_kill_9_many_times(tmp_path: Path) -> None:
     crash(tmp_path / "map.duckdb", 200, 2)
+
+
+@pytest.mark.parametrize("address", ["postgresql"], indirect=True)
+def test_shapes_are_kept_where_there_is_postgis(address: Address) -> None:
+    """It may come after the map; things told of before have no shape, and the map works on either way."""
+    place = address()
+    cloud = {"id": "heap", "label": "heap", "points": [[x, y, z] for x, y, z in CORNERS] + [[0.5, 0.5, 1.5]]}
+    with create_map(place, room()) as kept:
+        kept.add(room(CUP), stamp=1.0)
+    with psycopg.connect(place, autocommit=True) as admin:
+        admin.execute("CREATE EXTENSION postgis_sfcgal CASCADE")
+        with open_map(place) as kept:
+            kept.add(room(TABLE, cloud, floor()), stamp=2.0, gone=["cup"])
+            assert {one.id for one in kept.scene().objects} == {"table", "heap", "floor"}
+        shapes = """
+            SELECT id, ST_GeometryType(hull), ST_GeometryType(box),
+                   round(CASE WHEN kind = 'object' THEN ST_Volume(ST_MakeSolid(hull)) ELSE 0 END::numeric, 9),
+                   round(CASE WHEN kind = 'object' THEN ST_Volume(ST_MakeSolid(box)) ELSE 0 END::numeric, 9)
+            FROM deixis.shape JOIN deixis.thing USING (frame, position) ORDER BY id
+        """
+        solid, flat = "ST_PolyhedralSurface", "ST_Polygon"
+        assert [(*row[:3], *map(float, row[3:])) for row in admin.execute(shapes)] == [
+            ("floor", flat, flat, 0.0, 0.0),
+            ("heap", solid, solid, 1.166666667, 1.5),
+            ("table", solid, solid, 0.9, 0.9),
+        ]
+        (by,) = admin.execute("""
+            SELECT string_agg(indexdef, ' ') FROM pg_indexes
+            WHERE tablename = 'shape' AND indexdef LIKE '%gist%'
+        """).fetchone() or ("",)
+        assert by.count("gist_geometry_ops_nd") == 2
+        near = "SELECT count(*) FROM deixis.shape WHERE hull &&& ST_MakePoint(0, 0, 0.5)"
+        assert admin.execute(near).fetchone() == (2,)
 
 
 # The command line

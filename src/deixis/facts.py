@@ -44,6 +44,13 @@ def region_model(name: str) -> RegionModel:
     raise QueryError(f"no region model {name!r}: known are {', '.join(REGION_MODELS)}")
 
 
+def withheld_reason(wall: bool) -> str:
+    """Say why a reference, a wall or not, has no front and sides in a view (decision 0014)."""
+    if wall:
+        return "the view stands in the plane of this surface, so neither side is its front"
+    return "the view stands within the footprint of this reference, so it has no front and sides"
+
+
 @dataclass(frozen=True)
 class ViewFacts:
     """What depends on where one stands: halfspace margins in the contextualised frames of one view.

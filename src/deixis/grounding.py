@@ -10,7 +10,15 @@ import numpy as np
 from deixis import halfspaces, measures
 from deixis.boxes import Boxes, align_with_world, contextualise
 from deixis.broadphase import MAX_PAIRS, candidate_rows, reach
-from deixis.facts import Facts, PairColumns, RegionModel, SolidModel, ViewFacts, region_model
+from deixis.facts import (
+    Facts,
+    PairColumns,
+    RegionModel,
+    SolidModel,
+    ViewFacts,
+    region_model,
+    withheld_reason,
+)
 from deixis.frames import WORLD, Array, Index, Mask
 from deixis.locality import Neighbourhood, Rows
 from deixis.scene import Scene, View
@@ -124,7 +132,7 @@ def view_facts(
 ) -> ViewFacts:
     """Return the facts of a view, with the reasons for what it does not speak of."""
     wall = np.isin(boxes.normal, (0, 1))
-    withheld = tuple((int(index), _reason(bool(wall[index]))) for index in np.flatnonzero(~seen))
+    withheld = tuple((int(index), withheld_reason(bool(wall[index]))) for index in np.flatnonzero(~seen))
     return ViewFacts(name, rows, relaxed, strict, withheld, tuple(np.flatnonzero(tie).tolist()))
 
 
@@ -195,13 +203,6 @@ def _world(scene: Scene, facts: Facts) -> ViewFacts:
     framed, tie = align_with_world(scene.boxes)
     relaxed, strict = scene_meets_halfspaces(scene, framed, facts, rows)
     return ViewFacts(WORLD, rows, relaxed, strict, (), tuple(np.flatnonzero(tie).tolist()))
-
-
-def _reason(wall: bool) -> str:
-    """Say why a reference has no front and sides in a view."""
-    if wall:
-        return "the view stands in the plane of this surface, so neither side is its front"
-    return "the view stands within the footprint of this reference, so it has no front and sides"
 
 
 def scene_meets_halfspaces(scene: Scene, framed: Boxes, facts: Facts, rows: Index) -> tuple[Array, Array]:

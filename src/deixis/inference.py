@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Self
 from deixis._files import datalog_files, theory_files
 from deixis.errors import QueryError
 from deixis.facts import Facts, RegionModel, SolidModel, region_model
+from deixis.frames import WORLD
 from deixis.grounding import ground
 from deixis.hints import hint
 from deixis.regions import BoxRegion
@@ -41,11 +42,15 @@ class Inference:
         rules: Sequence[str | os.PathLike[str]] = (),
         region: RegionModel = "box",
         language: str = "en",
+        facts: Facts | None = None,
     ) -> None:
         self.scene = scene
         self.region = region_model(region)
         self.language = language
         self._theory = theory_files(language)
+        if facts is not None:
+            self.region = facts.region
+            self.facts = _of_scene(facts, scene)
         self._rules = tuple(rules)
         self._engine: PrologEngine | None = None
         self._loaded: Facts | None = None
@@ -83,7 +88,7 @@ class Inference:
 
     @cached_property
     def facts(self) -> Facts:
-        """Return the grounded scene."""
+        """Return the grounded scene: the facts given, or else measured here."""
         return ground(self.scene, region=self.region)
 
     @property
@@ -246,3 +251,13 @@ class Inference:
         known = [one.id for one in self.scene.views]
         if view not in known:
             raise QueryError(f"no view {view!r} in scene {self.scene.id!r}{hint(view, known)}")
+
+
+def _of_scene(facts: Facts, scene: Scene) -> Facts:
+    """Return facts, unless they are of other things or seen from other views than a scene's."""
+    told = (facts.ids, tuple(view.view for view in facts.views))
+    if told != (tuple(thing.id for thing in scene.objects), (WORLD, *(view.id for view in scene.views))):
+        raise QueryError(
+            f"the facts given are not those of scene {scene.id!r}: ground it, its things and its views, anew"
+        )
+    return facts

@@ -11,7 +11,7 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Final
 
 from deixis.explaining import Explaining
-from deixis.facts import RegionModel
+from deixis.facts import Facts, RegionModel
 from deixis.frames import WORLD
 from deixis.relations import Relation, in_order, rounded
 from deixis.scene import Scene
@@ -47,6 +47,8 @@ class KnowledgeBase(Explaining):
         What things are measured as: their boxes, convex hulls, or meshes where they have one (decision 0017).
     language : str
         What sentences are in: a file of ``rules/lang``, ``en`` or ``de``.
+    facts : Facts, optional
+        The scene as grounded elsewhere, such as by :func:`deixis.postgis.ground`.
 
     Examples
     --------
@@ -63,8 +65,9 @@ class KnowledgeBase(Explaining):
         rules: Sequence[str | os.PathLike[str]] = (),
         region: RegionModel = "box",
         language: str = "en",
+        facts: Facts | None = None,
     ) -> None:
-        super().__init__(scene, rules=rules, region=region, language=language)
+        super().__init__(scene, rules=rules, region=region, language=language, facts=facts)
         self._updating = threading.Lock()
         self._subscribers: list[Callable[[Changes], object]] = []
 
@@ -123,9 +126,7 @@ class KnowledgeBase(Explaining):
             scene = replace(scene, views=tuple(one for one in scene.views if one.id == view))
             facts = replace(facts, views=tuple(one for one in facts.views if one.view in (WORLD, view)))
         rules = self._rules or ("safety",)
-        variant = KnowledgeBase(scene, rules=rules, region=self.region, language=self.language)
-        variant.facts = facts
-        return variant
+        return KnowledgeBase(scene, rules=rules, language=self.language, facts=facts)
 
     def change(self, goal: str) -> Change | None:
         """Return the smallest translation found of a goal's figure that makes it true or, if it is, false.
@@ -219,9 +220,8 @@ class KnowledgeBase(Explaining):
         from deixis.regrounding import reground
 
         then = moved(self.scene, moves)
-        after = KnowledgeBase(then, rules=self._rules, region=self.region, language=self.language)
-        after.facts = reground(self.scene, self.facts, after.scene)
-        return after
+        facts = reground(self.scene, self.facts, then)
+        return KnowledgeBase(then, rules=self._rules, language=self.language, facts=facts)
 
     def page(self, *, timeout: float = 300.0) -> str:
         """Return a page, one file of HTML, that shows the scene, its relations and their reasons.

@@ -3,7 +3,7 @@
 The question, for each ordered pair (figure, reference) within reach: the signed separation; the volume of
 inter; whether they touch; whether the reference completely contains the figure; and which halfspaces of the
 reference the figure meets, above and below, and in front, behind, left and right in each view. Margins,
-strict halfspaces and the areas of PartIn are asked of nobody; the kernel measures them all the same.
+strict halfspaces and the areas of PartIn are not asked for; the kernel and PostGIS measure them all the same.
 """
 
 from __future__ import annotations

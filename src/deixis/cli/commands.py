@@ -12,6 +12,7 @@ import typer
 from deixis import __version__
 from deixis.cli import rules as rules_commands
 from deixis.cli import serve as serve_command
+from deixis.cli.measuring import Grounding, GroundingOption, measured
 from deixis.cli.output import (
     Format,
     RelationFormat,
@@ -125,13 +126,21 @@ def _options(
 
 
 def open_scene(
-    scene: Path, region: Region, rules: list[Path] | None = None, language: str = "en"
+    scene: Path,
+    region: Region,
+    rules: list[Path] | None = None,
+    language: str = "en",
+    grounding: Grounding = Grounding.KERNEL,
+    database: str | None = None,
 ) -> KnowledgeBase:
     """Return the knowledge base of a scene file; say on stderr what its readers should know."""
     from deixis.knowledge import KnowledgeBase
+    from deixis.scene import Scene
 
-    kb = KnowledgeBase.from_scene(scene, rules=rules or (), region=region.value, language=language)
-    warn(kb.scene.diagnostics)
+    loaded = Scene.load(scene)
+    warn(loaded.diagnostics)
+    facts = measured(loaded, grounding, region.value, database)
+    kb = KnowledgeBase(loaded, rules=rules or (), region=region.value, language=language, facts=facts)
     if kb.box_only:
         some = ", ".join(kb.box_only[:_NAMED]) + (" ..." if len(kb.box_only) > _NAMED else "")
         warn(
@@ -154,9 +163,16 @@ def relations(
     engine: Annotated[
         EngineName, typer.Option(help="What derives them; all give the same.")
     ] = EngineName.AUTO,
+    grounding: GroundingOption = Grounding.KERNEL,
+    database: Annotated[
+        str | None,
+        typer.Option(
+            "--db", metavar="DB", help="Where PostGIS measures: postgresql://... Nothing stays there."
+        ),
+    ] = None,
 ) -> None:
     """Print the relations that hold in a scene, each with its margin in metres."""
-    with open_scene(scene, region, rules) as kb:
+    with open_scene(scene, region, rules, "en", grounding, database) as kb:
         found = show_relations(kb, output, view=view, relation=relation, timeout=timeout, engine=engine.value)
     if not found:
         raise typer.Exit(1)

@@ -14,6 +14,7 @@ import typer
 
 from deixis.cli.commands import Region, RegionOption, RuleFiles, Seconds
 from deixis.cli.commands import app as whole_app
+from deixis.cli.measuring import Grounding, GroundingOption, measured
 from deixis.cli.output import RelationFormat, records, warn, write_csv, write_json, write_table
 from deixis.cli.shown import show_relations
 from deixis.errors import MapError
@@ -143,12 +144,15 @@ def relations(
     ] = RelationFormat.TABLE,
     timeout: Seconds = 60.0,
     rules: RuleFiles = None,
+    grounding: GroundingOption = Grounding.KERNEL,
 ) -> None:
     """Print the relations that held at a time, by default the last known; exit code 1 where none did."""
     from deixis.knowledge import KnowledgeBase
 
-    with KnowledgeBase(_at(database, at), rules=rules or (), region=region.value) as kb:
-        warn(kb.scene.diagnostics)
+    then = _at(database, at)
+    warn(then.diagnostics)
+    facts = measured(then, grounding, region.value, database)
+    with KnowledgeBase(then, rules=rules or (), region=region.value, facts=facts) as kb:
         found = show_relations(kb, output, view=view, relation=relation, timeout=timeout, engine="auto")
     if not found:
         raise typer.Exit(1)

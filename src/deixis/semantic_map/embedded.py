@@ -80,7 +80,7 @@ class DuckdbMap(SemanticMap):
     def _migrate(self) -> None:
         with self._transaction():
             self._connection.execute("CREATE TABLE IF NOT EXISTS migration (number integer PRIMARY KEY)")
-            done = self._rows("SELECT coalesce(max(number), 0) FROM migration")[0][0]
+            done = [number for (number,) in self._rows("SELECT number FROM migration")]
             for number, text in migrations(done, "duckdb"):
                 self._connection.execute(text)
                 self._connection.execute("INSERT INTO migration VALUES ($1)", [number])

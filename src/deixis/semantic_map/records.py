@@ -6,7 +6,10 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
+import numpy as np
+
 from deixis.errors import MapError
+from deixis.polyhedra import boxes, hulls
 from deixis.scene import Scene
 from deixis.scene_format import parse_scene
 from deixis.strict_json import quoted
@@ -22,8 +25,9 @@ COLUMNS: Final[Mapping[str, tuple[str, ...]]] = {
         "x", "y", "z", "hx", "hy", "hz", "yaw", "region",
     ),
     "viewpoint": ("frame", "position", "id", "label", "x", "y", "z", "heading", "stamp"),
+    "shape": ("frame", "position", "hull", "box"),
 }  # fmt: skip
-"""The tables, each with its columns."""
+"""The tables, each with its columns; shapes are kept where there is PostGIS."""
 
 _LABELS: Final = ("label", "labels")
 
@@ -67,6 +71,13 @@ def view_rows(seq: int, scene: Scene) -> list[Row]:
         (seq, at, view.id, view.label, *view.position.tolist(), view.heading, view.stamp)
         for at, view in enumerate(scene.views)
     ]
+
+
+def shape_rows(seq: int, scene: Scene) -> list[Row]:
+    """Return the rows of a frame's shapes: hulls and boxes as PostGIS stores them."""
+    origin = np.zeros(3)
+    shapes = zip(hulls(scene, origin), boxes(scene, origin), strict=True)
+    return [(seq, at, hull, box) for at, (hull, box) in enumerate(shapes)]
 
 
 def scene_of(told: Row, things: Iterable[Row], views: Iterable[Row]) -> Scene:

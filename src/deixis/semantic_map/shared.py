@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Final
 
 from deixis.errors import MapError, MissingDependency
-from deixis.semantic_map.records import Row
+from deixis.scene import Scene
+from deixis.semantic_map.records import Row, shape_rows
 from deixis.semantic_map.store import SemanticMap, columns_of, migrations
 
 try:
@@ -19,6 +20,10 @@ except ImportError as cause:
 _SCHEMA: Final = "deixis"
 """Where our tables are in the database; other tables are neither seen nor touched."""
 
+_SPATIAL: Final = """
+SELECT to_regtype('geometry') IS NOT NULL AND EXISTS (SELECT FROM pg_extension WHERE extname = 'postgis')
+"""
+
 _TURN: Final = 0x6465_6978
 """Number of the lock that those who make or change the tables take in turn."""
 
@@ -26,7 +31,8 @@ _TURN: Final = 0x6465_6978
 class PostgresMap(SemanticMap):
     """A map in a PostgreSQL database; see :class:`~deixis.semantic_map.SemanticMap`.
 
-    Its tables are in the schema ``deixis`` and are made, or brought up to date, when it is opened.
+    Its tables are in the schema ``deixis`` and are made, or brought up to date, when it is opened. Where
+    there is PostGIS, hulls and boxes are kept as geometry too (decision 0049).
 
     Parameters
     ----------
@@ -61,11 +67,17 @@ class PostgresMap(SemanticMap):
             run("SELECT pg_advisory_xact_lock($1)", [_TURN])
             run(sql.SQL("CREATE SCHEMA IF NOT EXISTS {}").format(sql.Identifier(_SCHEMA)))
             run("CREATE TABLE IF NOT EXISTS migration (number integer PRIMARY KEY)")
-            done = self._rows("SELECT coalesce(max(number), 0) FROM migration")[0][0]
-            for number, text in migrations(done, "postgresql"):
+            done = [number for (number,) in self._rows("SELECT number FROM migration")]
+            # PostGIS may come later: then what needs it is made when the map is opened next.
+            (spatial,) = self._rows(_SPATIAL)[0]
+            for number, text in migrations(done, "postgresql", *(["postgis"] if spatial else [])):
                 # A text of our own, of several statements, without values.
                 run(text.encode())
                 run("INSERT INTO migration VALUES ($1)", [number])
+            (self._spatial,) = self._rows("SELECT to_regclass('shape') IS NOT NULL")[0]
+
+    def _more(self, scene: Scene) -> Mapping[str, list[Row]]:
+        return {"shape": shape_rows(0, scene)} if self._spatial else {}
 
     @contextmanager
     def _ours(self) -> Iterator[None]:

@@ -6,7 +6,7 @@ import math
 import os
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +27,8 @@ from deixis.semantic_map.records import (
 from deixis.strict_json import quoted
 
 _MIGRATIONS: Final = Path(__file__).resolve().parent / "migrations"
+
+_KINDS: Final = ("duckdb", "postgresql", "postgis")
 
 _TOLD: Final = """
 WITH before AS (SELECT seq, stamp, whole FROM frame WHERE stamp <= $1),
@@ -167,7 +169,7 @@ class SemanticMap(ABC):
             raise MapError(
                 f"the stamp of scene {quoted(scene.id)} is not finite: give seconds since the epoch"
             )
-        rows = {"thing": thing_rows(0, scene, gone), "viewpoint": view_rows(0, scene)}
+        rows = {"thing": thing_rows(0, scene, gone), "viewpoint": view_rows(0, scene), **self._more(scene)}
         with self._transaction():
             if not same_thresholds(self._map(), scene):
                 raise MapError(
@@ -204,6 +206,10 @@ class SemanticMap(ABC):
         """Return when each thing that is there at a time was last told of, by its id."""
         with self._transaction():
             return dict(self._rows(_SEEN, _until(at)))
+
+    def _more(self, scene: Scene) -> Mapping[str, list[Row]]:  # noqa: ARG002 - most databases keep no more
+        """Return rows that only some databases keep, by their tables."""
+        return {}
 
     @abstractmethod
     def close(self) -> None:
@@ -271,17 +277,16 @@ def open_map(address: str | os.PathLike[str]) -> SemanticMap:
     return kept
 
 
-def migrations(after: int, kind: str) -> list[tuple[int, str]]:
-    """Return number and text of the migrations of a kind of database that come after one, in their order.
+def migrations(done: Collection[int], *kinds: str) -> list[tuple[int, str]]:
+    """Return number and text of the migrations still to be done in a database of some kinds.
 
     A file's name is its number and what it does; those for one kind of database name it at the end.
     """
     found = []
     for path in sorted(_MIGRATIONS.glob("*.sql")):
         number, _, name = path.stem.partition("_")
-        if int(number) > after and (
-            not name.endswith(("_duckdb", "_postgresql")) or name.endswith(f"_{kind}")
-        ):
+        kind = name.rpartition("_")[2]
+        if int(number) not in done and (kind not in _KINDS or kind in kinds):
             found.append((int(number), path.read_text(encoding="utf-8")))
     return found
 
