@@ -1,0 +1,150 @@
+"""Mapping: frames become one scene, with a view for each frame (section 4.1 of the paper)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from deixis.errors import SceneError
+from deixis.frames import Array
+from deixis.perception.association import associate, boxes_of, fused
+from deixis.perception.frame import Frame
+from deixis.perception.carving import Backdrop
+from deixis.perception.shapes import corners, region_of
+from deixis.perception.surfaces import find_surfaces
+from deixis.perception.views import Sighting, show
+from deixis.scene import Label, Scene, SpatialObject, SurfaceRegion, View
+from deixis.strict_json import quoted
+from deixis.thresholds import Thresholds
+
+DECIMALS: Final = 4
+"""Tenths of a millimetre: finer than any camera sees."""
+
+
+@dataclass
+class _Thing:
+    """A thing of the map as far as it is known."""
+
+    id: str
+    clouds: list[Array] = field(default_factory=list)
+    seen: list[tuple[tuple[Label, ...], float]] = field(default_factory=list)
+    views: list[str] = field(default_factory=list)
+    outer: Array = field(default_factory=lambda: np.empty((0, 3)))
+
+    def add(self, sighting: Sighting, view: str) -> None:
+        self.clouds.append(sighting.points)
+        self.outer = corners(np.concatenate([self.outer, corners(sighting.points)]))
+        self.seen.append((sighting.labels, float(len(sighting.points))))
+        self.views.append(view)
+
+    @property
+    def labels(self) -> tuple[Label, ...]:
+        return fused(self.seen)
+
+
+class Map:
+    """A map that grows frame by frame.
+
+    Parameters
+    ----------
+    name : str
+        Id of the scene.
+    thresholds : Thresholds, optional
+    """
+
+    def __init__(self, name: str, thresholds: Thresholds | None = None) -> None:
+        self.name = name
+        self.thresholds = thresholds or Thresholds()
+        self._things: list[_Thing] = []
+        self._views: list[View] = []
+        self._rest: list[tuple[Array, Array]] = []
+        self._noise = 0.0
+        self._notes: list[str] = []
+        self._backdrops: list[Backdrop] = []
+
+    def add(self, frame: Frame) -> None:
+        """Add what a frame shows.
+
+        Raises
+        ------
+        SceneError
+            Another frame has the same stamp.
+        """
+        moment = f"t{round(frame.stamp * 1000.0)}"
+        view = View(moment, frame.robot, frame.position, frame.heading, frame.stamp)
+        if any(one.id == moment for one in self._views):
+            raise SceneError(f"two frames have the stamp {frame.stamp:.3f}: give each its own")
+        shown = show(frame)
+        self._views.append(view)
+        self._notes += [f"frame {moment}: {note}" for note in shown.notes]
+        self._rest.append((shown.rest, shown.eye))
+        self._noise = max(self._noise, shown.noise)
+        known = boxes_of([thing.outer for thing in self._things])
+        seen = boxes_of([corners(one.points) for one in shown.things])
+        match = associate(
+            known,
+            [thing.labels for thing in self._things],
+            seen,
+            [one.labels for one in shown.things],
+            self.thresholds.granularity,
+        )
+        new = 0
+        backdrop = Backdrop.of(frame, moment, shown.noise)
+        for position, sighting in enumerate(shown.things):
+            if position in match:
+                self._things[match[position]].add(sighting, moment)
+                backdrop.claim(sighting.number, match[position] + 1)
+                continue
+            new += 1
+            thing = _Thing(f"{moment}_{new}")
+            thing.add(sighting, moment)
+            self._things.append(thing)
+            backdrop.claim(sighting.number, len(self._things))
+        self._backdrops.append(backdrop)
+
+    def _kept(self, number: int, thing: _Thing) -> Array:
+        """Return a thing's points without those that some frame looks through."""
+        parts = []
+        for cloud, view in zip(thing.clouds, thing.views, strict=True):
+            keep = np.ones(len(cloud), dtype=np.bool_)
+            for backdrop in self._backdrops:
+                if backdrop.view != view:
+                    keep &= ~backdrop.looks_through(cloud, number)
+            parts.append(cloud[keep])
+        return np.concatenate(parts)
+
+    def scene(self) -> Scene:
+        """Return the scene of all that was added."""
+        objects, notes = [], list(self._notes)
+        for number, thing in enumerate(self._things, 1):
+            region, note = region_of(self._kept(number, thing), self.thresholds)
+            if note:
+                notes.append(f"object {quoted(thing.id)}: {note}")
+            objects.append(SpatialObject(thing.id, thing.labels, "object", region))
+        if self._rest:
+            points = np.concatenate([rest for rest, _ in self._rest])
+            eyes = np.concatenate([np.broadcast_to(eye, rest.shape) for rest, eye in self._rest])
+            surfaces, more = find_surfaces(points, eyes, self._noise)
+            notes += more
+            moment = self._views[-1].id
+            for number, surface in enumerate(surfaces, 1):
+                objects.append(
+                    SpatialObject(
+                        f"{moment}_s{number}",
+                        (Label(surface.name),),
+                        "surface",
+                        SurfaceRegion(np.round(surface.polygon, DECIMALS)),
+                    )
+                )
+        return Scene(self.name, tuple(objects), tuple(self._views), self.thresholds, tuple(notes))
+
+
+def perceive(frames: Iterable[Frame], name: str = "map", thresholds: Thresholds | None = None) -> Scene:
+    """Return the scene that frames show together."""
+    result = Map(name, thresholds)
+    for frame in sorted(frames, key=lambda one: one.stamp):
+        result.add(frame)
+    return result.scene()
