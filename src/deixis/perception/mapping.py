@@ -29,13 +29,13 @@ class _Thing:
     """A thing of the map as far as it is known."""
 
     id: str
-    clouds: list[Array] = field(default_factory=list)
+    clouds: list[tuple[Array, Array]] = field(default_factory=list)
     seen: list[tuple[tuple[Label, ...], float]] = field(default_factory=list)
     views: list[str] = field(default_factory=list)
     outer: Array = field(default_factory=lambda: np.empty((0, 3)))
 
     def add(self, sighting: Sighting, view: str) -> None:
-        self.clouds.append(sighting.points)
+        self.clouds.append((sighting.points, sighting.wobble))
         self.outer = corners(np.concatenate([self.outer, corners(sighting.points)]))
         self.seen.append((sighting.labels, float(len(sighting.points))))
         self.views.append(view)
@@ -105,22 +105,23 @@ class Map:
             backdrop.claim(sighting.number, len(self._things))
         self._backdrops.append(backdrop)
 
-    def _kept(self, number: int, thing: _Thing) -> Array:
-        """Return a thing's points without those that some frame looks through."""
-        parts = []
-        for cloud, view in zip(thing.clouds, thing.views, strict=True):
+    def _kept(self, number: int, thing: _Thing) -> tuple[Array, Array]:
+        """Return a thing's points without those that some frame looks through, and their errors."""
+        points, wobbles = [], []
+        for (cloud, wobble), view in zip(thing.clouds, thing.views, strict=True):
             keep = np.ones(len(cloud), dtype=np.bool_)
             for backdrop in self._backdrops:
                 if backdrop.view != view:
                     keep &= ~backdrop.looks_through(cloud, number)
-            parts.append(cloud[keep])
-        return np.concatenate(parts)
+            points.append(cloud[keep])
+            wobbles.append(wobble[keep])
+        return np.concatenate(points), np.concatenate(wobbles)
 
     def scene(self) -> Scene:
         """Return the scene of all that was added."""
         objects, notes = [], list(self._notes)
         for number, thing in enumerate(self._things, 1):
-            region, note = region_of(self._kept(number, thing), self.thresholds)
+            region, note = region_of(*self._kept(number, thing), self.thresholds)
             if note:
                 notes.append(f"object {quoted(thing.id)}: {note}")
             objects.append(SpatialObject(thing.id, thing.labels, "object", region))

@@ -1,8 +1,9 @@
-"""Shapes: the cloud of a thing freed of what noise adds to its extent, and its convex hull.
+"""Shapes: the region of a thing from its points, without what noise adds to its extent.
 
 The extremes of a noisy cloud are noise: of a thousand points off by a centimetre one is off by three. So
-each point is drawn along its own ray towards the depth of the thing's middle, by as many of its standard
-errors as the extreme of many is worth. Silhouettes, which noise along the ray does not move, stay.
+along each axis of its box a thing reaches as far as the points that are beyond doubt: each counts less as
+many of its standard errors, along that axis, as the extreme of many is worth. Silhouettes, which noise along
+the ray does not move, lose nothing.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from deixis.regions import BoxRegion, MeshRegion, Region
 from deixis.thresholds import Thresholds
 
 DRAWN: Final = 2.0
-"""Standard errors that a point is drawn inwards: about the greatest of the fifty or so independent ones."""
+"""Standard errors that a point counts less: about the greatest of the fifty or so independent ones."""
 
 DIRECTIONS: Final = 200
 """Directions in space in which a hull is looked for, about seven degrees apart from ten each way."""
@@ -67,26 +68,6 @@ WIDEST: Final = 0.5
 
 CLEARLY: Final = 0.15
 """By how much larger that share must be than at the hull's own yaw."""
-
-
-def drawn_in(depth: Array, error: Array) -> Array:
-    """Return depths drawn towards the middle of their range, (n,) metres.
-
-    Parameters
-    ----------
-    depth : (n,) float
-        Metres along the optical axis, n >= 1.
-    error : (n,) float
-        Standard errors, metres.
-
-    Examples
-    --------
-    >>> drawn_in(np.array([1.0, 1.5, 2.0]), np.array([0.1, 0.1, 0.1])).tolist()
-    [1.2, 1.5, 1.8]
-    """
-    low, high = np.quantile(depth, [0.02, 0.98])
-    reach = DRAWN * error
-    return np.asarray(depth + np.clip(0.5 * (low + high) - depth, -reach, reach))
 
 
 def _directions() -> Array:
@@ -143,31 +124,60 @@ def hull(points: Array) -> tuple[Array, Index] | None:
     return points[vertices], faces.astype(np.int64)
 
 
-def region_of(points: Array, limits: Thresholds) -> tuple[Region, str]:
+def region_of(points: Array, wobble: Array, limits: Thresholds) -> tuple[Region, str]:
     """Return a thing's region from its points, and a note on those left out.
 
     It is the convex hull, as a mesh, of the points in one piece; their box where they are flat, or where
     they lie along the sides of a box that the hull does not tell: of a box seen from the front and one side
-    the plan is a triangle.
+    the plan is a triangle. Of a round thing it is the hull with the side that was not seen.
+
+    Parameters
+    ----------
+    points : (n, 3) float
+        Metres, world frame, n >= 1.
+    wobble : (n, 3) float
+        By how much noise moves each point: one standard error along its ray, metres.
+    limits : Thresholds
     """
     keep, note = one_piece(points, max(limits.piece_gap, limits.granularity))
-    points = points if keep is None else points[keep]
+    if keep is not None:
+        points, wobble = points[keep], wobble[keep]
     outer = corners(points)
     axis = upright_axis(points)
     if axis is not None:
         # The same from the other side.
         outer = np.concatenate([outer, [*2.0 * axis, 0.0] + outer * [-1.0, -1.0, 1.0]])
-    outer = np.round(outer, DECIMALS)
-    center, half, yaw, _ = min_bound_box(outer)
+    yaw = min_bound_box(outer)[2]
     better = along_sides(points, yaw) if axis is None else None
-    if better is not None:
-        cos, sin = np.cos(better), np.sin(better)
-        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        own = outer @ turn
-        low, high = own.min(axis=0), own.max(axis=0)
-        return BoxRegion(turn @ (0.5 * (low + high)), high - low, better), note
-    solid = hull(outer)
-    return (BoxRegion(center, 2.0 * half, yaw) if solid is None else MeshRegion(*solid)), note
+    yaw = yaw if better is None else better
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+    low, high = _beyond_doubt(points @ turn, np.abs(wobble @ turn))
+    if axis is not None:
+        spoke = points[:, :2] - axis
+        length = np.maximum(np.hypot(spoke[:, 0], spoke[:, 1]), 1.0e-9)
+        radius = _beyond_doubt(length[:, None], np.abs((wobble[:, :2] * spoke).sum(axis=1) / length)[:, None])[1]
+        low[:2], high[:2] = axis @ turn[:2, :2] - radius, axis @ turn[:2, :2] + radius
+    middle = turn @ (0.5 * (low + high))
+    solid = hull(_fitted(outer @ turn, low, high) @ turn.T) if better is None else None
+    if solid is None:
+        return BoxRegion(np.round(middle, DECIMALS), np.round(high - low, DECIMALS), yaw), note
+    return MeshRegion(np.round(solid[0], DECIMALS), solid[1]), note
+
+
+def _beyond_doubt(own: Array, error: Array) -> tuple[Array, Array]:
+    """Return how far a cloud reaches along each axis, down and up, beyond the doubt of its points."""
+    low = (own + DRAWN * error).min(axis=0)
+    high = (own - DRAWN * error).max(axis=0)
+    middle = np.median(own, axis=0)
+    return np.where(low < high, low, middle), np.where(low < high, high, middle)
+
+
+def _fitted(own: Array, low: Array, high: Array) -> Array:
+    """Return points stretched along each axis to reach from one end to the other."""
+    least, most = own.min(axis=0), own.max(axis=0)
+    scale = (high - low) / np.maximum(most - least, 1.0e-9)
+    return np.asarray((own - least) * scale + low)
 
 
 def along_sides(points: Array, yaw: float) -> float | None:

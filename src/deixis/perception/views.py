@@ -7,9 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from deixis.frames import Array, Index
+from deixis.frames import Array
 from deixis.perception.frame import Frame
-from deixis.perception.shapes import drawn_in
 from deixis.perception.smoothing import noise_of, smooth
 from deixis.scene import Label
 
@@ -33,15 +32,15 @@ class Sighting:
         In the instance image.
     labels : tuple of Label
     points : (n, 3) float
-        Metres, world frame, without noise as far as can be.
-    pixels : (n,) int, (n,) int
-        Rows and columns of the points.
+        Metres, world frame, with as little noise as can be.
+    wobble : (n, 3) float
+        One standard error of each point along its ray, metres.
     """
 
     number: int
     labels: tuple[Label, ...]
     points: Array
-    pixels: tuple[Index, Index]
+    wobble: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,8 +91,9 @@ def show(frame: Frame) -> Shown:
         if len(found.u) < FEWEST:
             notes.append(f"{name}: its depths are all noise: left out")
             continue
-        depth = drawn_in(found.depth, found.error)
-        things.append(Sighting(number, labels, frame.camera.points(found.u, found.v, depth), (found.v, found.u)))
+        rays = frame.camera.rays(found.u, found.v)
+        points = found.depth[:, None] * rays + frame.camera.position
+        things.append(Sighting(number, labels, points, found.error[:, None] * rays))
     v, u = np.nonzero(valid & (ids == 0))
     stride = max(1, len(u) // REST)
     u, v = u[::stride], v[::stride]
