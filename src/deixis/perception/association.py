@@ -34,12 +34,11 @@ def boxes_of(clouds: Sequence[Array]) -> Boxes:
     )
 
 
+Labels = Sequence[Sequence[Label]]
+
+
 def associate(
-    known: Boxes,
-    known_labels: Sequence[Sequence[Label]],
-    seen: Boxes,
-    seen_labels: Sequence[Sequence[Label]],
-    granularity: float,
+    known: Boxes, known_labels: Labels, seen: Boxes, seen_labels: Labels, granularity: float
 ) -> dict[int, int]:
     """Return for sightings of one frame which known thing each is of; those that are left out are new.
 
@@ -55,24 +54,45 @@ def associate(
     """
     from scipy.optimize import linear_sum_assignment
 
-    if not len(known) or not len(seen):
-        return {}
-    one, other = (axis.ravel() for axis in np.indices((len(seen), len(known))))
-    a, b = seen.take(one), known.take(other)
-    half_a, half_b = a.effective_half(granularity), b.effective_half(granularity)
-    near = (np.abs(a.center - b.center) <= np.hypot(*half_a.T[:2])[:, None] + np.hypot(*half_b.T[:2])[:, None] + half_a[:, 2:] + half_b[:, 2:]).all(axis=1)
-    common = np.zeros(len(one))
-    near = np.flatnonzero(near)
-    if len(near):
-        common[near] = intersection_volume(place(a.take(near), b.take(near)), half_a[near], half_b[near])
+    score = _fit(seen, seen_labels, known, known_labels, granularity)
+    rows, columns = linear_sum_assignment(score, maximize=True)
+    return {int(row): int(column) for row, column in zip(rows, columns, strict=True) if score[row, column]}
+
+
+def doubles(boxes: Boxes, labels: Labels, views: Sequence[set[str]], granularity: float) -> dict[int, int]:
+    """Return which things of a map are of earlier ones after all, none of a frame that shows both.
+
+    Seen from two sides a thing may have little in common with itself, until a third view joins the two.
+    """
+    score = _fit(boxes, labels, boxes, labels, granularity)
+    result: dict[int, int] = {}
+    for one, other in np.argwhere(np.tril(score, -1) > 0.0).tolist():
+        taken = one in result or other in result or other in result.values() or one in result.values()
+        if not taken and not views[one] & views[other]:
+            result[one] = other
+    return result
+
+
+def _fit(one: Boxes, one_labels: Labels, other: Boxes, other_labels: Labels, granularity: float) -> Array:
+    """Return how well each of some things fits each of others, (n, m); 0 where they are not of one thing."""
+    rows, columns = (axis.ravel() for axis in np.indices((len(one), len(other))))
+    shape = len(one), len(other)
+    if not len(rows):
+        return np.zeros(shape)
+    reach = np.linalg.norm(one.effective_half(granularity), axis=1)[rows]
+    reach += np.linalg.norm(other.effective_half(granularity), axis=1)[columns]
+    near = np.flatnonzero(np.linalg.norm(one.center[rows] - other.center[columns], axis=1) < reach)
+    a, b = one.take(rows[near]), other.take(columns[near])
+    common = intersection_volume(place(a, b), a.effective_half(granularity), b.effective_half(granularity))
     volume_a, volume_b = a.volume(granularity), b.volume(granularity)
     shared = common / np.minimum(volume_a, volume_b)
     union = common / (volume_a + volume_b - common)
-    alike = np.array([[likeness(x, y) for y in known_labels] for x in seen_labels]).ravel()
+    pairs = zip(rows[near].tolist(), columns[near].tolist(), strict=True)
+    alike = np.array([likeness(one_labels[i], other_labels[j]) for i, j in pairs])
     possible = ((shared >= SHARED) & (alike > 0.0)) | (union >= SAME_PLACE)
-    score = np.where(possible, 1.0 + shared + union + alike, 0.0).reshape(len(seen), len(known))
-    rows, columns = linear_sum_assignment(score, maximize=True)
-    return {int(row): int(column) for row, column in zip(rows, columns, strict=True) if score[row, column]}
+    score = np.zeros(shape)
+    score[rows[near], columns[near]] = np.where(possible, shared + union + alike, 0.0)
+    return score
 
 
 def likeness(one: Sequence[Label], other: Sequence[Label]) -> float:

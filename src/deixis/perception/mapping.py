@@ -10,7 +10,7 @@ import numpy as np
 
 from deixis.errors import SceneError
 from deixis.frames import Array
-from deixis.perception.association import associate, boxes_of, fused
+from deixis.perception.association import associate, boxes_of, doubles, fused
 from deixis.perception.frame import Frame
 from deixis.perception.carving import Backdrop
 from deixis.perception.shapes import corners, region_of
@@ -39,6 +39,13 @@ class _Thing:
         self.outer = corners(np.concatenate([self.outer, corners(sighting.points)]))
         self.seen.append((sighting.labels, float(len(sighting.points))))
         self.views.append(view)
+
+    def join(self, other: _Thing) -> None:
+        """Take over what was seen of another, which is the same."""
+        self.clouds += other.clouds
+        self.seen += other.seen
+        self.views += other.views
+        self.outer = corners(np.concatenate([self.outer, other.outer]))
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -105,6 +112,28 @@ class Map:
             backdrop.claim(sighting.number, len(self._things))
         self._backdrops.append(backdrop)
 
+    def _settle(self) -> None:
+        """Let things that turned out to be one be one; the older keeps its id."""
+        while True:
+            found = doubles(
+                boxes_of([thing.outer for thing in self._things]),
+                [thing.labels for thing in self._things],
+                [set(thing.views) for thing in self._things],
+                self.thresholds.granularity,
+            )
+            if not found:
+                return
+            for later, earlier in found.items():
+                self._things[earlier].join(self._things[later])
+                for backdrop in self._backdrops:
+                    backdrop.owner[backdrop.owner == later + 1] = earlier + 1
+            left = [number for number in range(len(self._things)) if number not in found]
+            renumbered = np.zeros(len(self._things) + 1, dtype=np.int32)
+            renumbered[[number + 1 for number in left]] = np.arange(1, len(left) + 1)
+            for backdrop in self._backdrops:
+                backdrop.owner[...] = renumbered[backdrop.owner]
+            self._things = [self._things[number] for number in left]
+
     def _kept(self, number: int, thing: _Thing) -> tuple[Array, Array]:
         """Return a thing's points without those that some frame looks through, and their errors."""
         points, wobbles = [], []
@@ -119,6 +148,7 @@ class Map:
 
     def scene(self) -> Scene:
         """Return the scene of all that was added."""
+        self._settle()
         objects, notes = [], list(self._notes)
         for number, thing in enumerate(self._things, 1):
             region, note = region_of(*self._kept(number, thing), self.thresholds)

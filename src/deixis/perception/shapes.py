@@ -235,8 +235,12 @@ def upright_axis(points: Array) -> Array | None:
     axis = 0.5 * np.linalg.solve(matrix, np.array([x @ square, y @ square]))
     spoke = plan - axis
     radius = np.hypot(spoke[:, 0], spoke[:, 1])
-    off = centred(radius)
+    off = np.abs(centred(radius))
     size = float(np.quantile(radius, 0.9))
-    turns = np.unique(((np.arctan2(spoke[:, 1], spoke[:, 0]) + np.pi) * (SECTORS / (2.0 * np.pi))).astype(int))
-    round_ = float(np.quantile(np.abs(off), 0.8)) <= max(ROUND * size, ROUGH) and size <= WIDEST
-    return middle + axis if round_ and len(turns) >= ARC * SECTORS else None
+    most = max(ROUND * size, ROUGH)
+    sector = ((np.arctan2(spoke[:, 1], spoke[:, 0]) + np.pi) * (SECTORS / (2.0 * np.pi))).astype(np.int64) % SECTORS
+    seen = np.bincount(sector, minlength=SECTORS)
+    # In every direction, for the legs of a square table are all as far from its middle.
+    good = np.bincount(sector, off <= most, SECTORS) >= 0.6 * seen
+    round_ = float(np.quantile(off, 0.8)) <= most and size <= WIDEST and good[seen > 0].mean() >= 0.85
+    return middle + axis if round_ and np.count_nonzero(seen) >= ARC * SECTORS else None
