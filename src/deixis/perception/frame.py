@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from deixis.errors import SceneError
 from deixis.frames import Array
 from deixis.perception.camera import Camera
+from deixis.perception.clouds import CloudFile
 from deixis.scene import Label
 
 
@@ -61,3 +62,30 @@ class Frame:
             raise SceneError("the frame's stamp is not finite: give seconds since the epoch")
         if self.noise is not None and not 0.0 <= self.noise < np.inf:
             raise SceneError("the frame's noise is not finite: give metres, zero or more, or leave it out")
+
+
+@dataclass(frozen=True, eq=False)
+class CloudFrame:
+    """A cloud in the world frame with the regions recognised in it, and where the robot was.
+
+    Attributes
+    ----------
+    stamp : float
+        Seconds since the epoch of the recording.
+    cloud : CloudFile
+    labels : mapping of int to tuple of Label
+    position : (3,) float
+        The robot's, metres, world frame.
+    heading : float
+    robot : str
+    noise : float or None
+        Standard deviation of the points, metres.
+    """
+
+    stamp: float
+    cloud: CloudFile
+    labels: Mapping[int, tuple[Label, ...]] = field(default_factory=dict)
+    position: Array = field(default_factory=lambda: np.zeros(3))
+    heading: float = 0.0
+    robot: str = "robot"
+    noise: float | None = None

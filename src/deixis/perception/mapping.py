@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -11,17 +11,20 @@ import numpy as np
 from deixis.errors import SceneError
 from deixis.frames import Array
 from deixis.perception.association import associate, boxes_of, doubles, fused
-from deixis.perception.frame import Frame
+from deixis.perception.frame import CloudFrame, Frame
 from deixis.perception.carving import Backdrop
 from deixis.perception.shapes import corners, region_of
 from deixis.perception.surfaces import find_surfaces
-from deixis.perception.views import Sighting, show
+from deixis.perception.views import Sighting, show, show_cloud
 from deixis.scene import Label, Scene, SpatialObject, SurfaceRegion, View
 from deixis.strict_json import quoted
 from deixis.thresholds import Thresholds
 
 DECIMALS: Final = 4
 """Tenths of a millimetre: finer than any camera sees."""
+
+KEPT: Final = 16
+"""Latest frames whose images are kept, to look through points of others with."""
 
 
 @dataclass
@@ -72,8 +75,14 @@ class Map:
         self._notes: list[str] = []
         self._backdrops: list[Backdrop] = []
 
-    def add(self, frame: Frame) -> None:
+    def add(self, frame: Frame | CloudFrame, advance: Callable[[int], None] | None = None) -> None:
         """Add what a frame shows.
+
+        Parameters
+        ----------
+        frame : Frame or CloudFrame
+        advance : function, optional
+            Told how many points of a cloud were read, again and again.
 
         Raises
         ------
@@ -84,7 +93,7 @@ class Map:
         view = View(moment, frame.robot, frame.position, frame.heading, frame.stamp)
         if any(one.id == moment for one in self._views):
             raise SceneError(f"two frames have the stamp {frame.stamp:.3f}: give each its own")
-        shown = show(frame)
+        shown = show(frame) if isinstance(frame, Frame) else show_cloud(frame, advance)
         self._views.append(view)
         self._notes += [f"frame {moment}: {note}" for note in shown.notes]
         self._rest.append((shown.rest, shown.eye))
@@ -99,18 +108,24 @@ class Map:
             self.thresholds.granularity,
         )
         new = 0
-        backdrop = Backdrop.of(frame, moment, shown.noise)
+        backdrop = Backdrop.of(frame, moment, shown.noise) if isinstance(frame, Frame) else None
         for position, sighting in enumerate(shown.things):
             if position in match:
                 self._things[match[position]].add(sighting, moment)
-                backdrop.claim(sighting.number, match[position] + 1)
+                self._claim(backdrop, sighting.number, match[position] + 1)
                 continue
             new += 1
             thing = _Thing(f"{moment}_{new}")
             thing.add(sighting, moment)
             self._things.append(thing)
-            backdrop.claim(sighting.number, len(self._things))
-        self._backdrops.append(backdrop)
+            self._claim(backdrop, sighting.number, len(self._things))
+        if backdrop is not None:
+            self._backdrops = [*self._backdrops, backdrop][-KEPT:]
+
+    @staticmethod
+    def _claim(backdrop: Backdrop | None, number: int, thing: int) -> None:
+        if backdrop is not None:
+            backdrop.claim(number, thing)
 
     def _settle(self) -> None:
         """Let things that turned out to be one be one; the older keeps its id."""
@@ -173,7 +188,7 @@ class Map:
         return Scene(self.name, tuple(objects), tuple(self._views), self.thresholds, tuple(notes))
 
 
-def perceive(frames: Iterable[Frame], name: str = "map", thresholds: Thresholds | None = None) -> Scene:
+def perceive(frames: Iterable[Frame | CloudFrame], name: str = "map", thresholds: Thresholds | None = None) -> Scene:
     """Return the scene that frames show together."""
     result = Map(name, thresholds)
     for frame in sorted(frames, key=lambda one: one.stamp):

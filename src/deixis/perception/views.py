@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from deixis.frames import Array
-from deixis.perception.frame import Frame
+from deixis.perception.frame import CloudFrame, Frame
 from deixis.perception.smoothing import noise_of, smooth
+from deixis.perception.thinning import thinned
 from deixis.scene import Label
 
 FEWEST: Final = 25
@@ -17,6 +19,9 @@ FEWEST: Final = 25
 
 REST: Final = 20_000
 """Pixels of what is no thing that are kept."""
+
+EYE: Final = 1.0
+"""Metres above the robot's position that a cloud is taken to be seen from."""
 
 FARTHEST: Final = 100.0
 """Metres: no depth camera sees further."""
@@ -82,7 +87,7 @@ def show(frame: Frame) -> Shown:
         mask = (ids[part] == number) & valid[part]
         count = int(np.count_nonzero(mask))
         labels = frame.labels.get(number, ())
-        name = f"{labels[0].name if labels else 'thing'} (instance {number})"
+        name = _name(number, labels)
         if count < FEWEST:
             notes.append(f"{name}: {count} pixels with a depth, fewer than {FEWEST}: left out")
             continue
@@ -99,3 +104,23 @@ def show(frame: Frame) -> Shown:
     u, v = u[::stride], v[::stride]
     rest = frame.camera.points(u, v, frame.depth[v, u])
     return Shown(things, rest, frame.camera.position, noise, notes)
+
+
+def show_cloud(frame: CloudFrame, advance: Callable[[int], None] | None = None) -> Shown:
+    """Return what a cloud shows; ``advance`` is told how many points were read, again and again."""
+    clouds, rest = thinned(frame.cloud, advance)
+    things, notes = [], []
+    for number, points in clouds.items():
+        labels = frame.labels.get(number, ())
+        if len(points) < FEWEST:
+            notes.append(f"{_name(number, labels)}: {len(points)} points, fewer than {FEWEST}: left out")
+        else:
+            things.append(Sighting(number, labels, points, np.zeros_like(points)))
+    # Seen from where the robot is, above its floor.
+    eye = frame.position + [0.0, 0.0, EYE]
+    stride = max(1, len(rest) // (10 * REST))
+    return Shown(things, rest[::stride], eye, frame.noise or 0.0, notes)
+
+
+def _name(number: int, labels: tuple[Label, ...]) -> str:
+    return f"{labels[0].name if labels else 'thing'} (instance {number})"
