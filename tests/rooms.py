@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import trimesh
 
-from deixis.boxes import min_bound_box
 from deixis.frames import Array
 from deixis.perception import Camera, Frame
 from deixis.scene import Label, Scene
@@ -99,27 +98,58 @@ def _small(rng: np.random.Generator, tallest: float) -> tuple[str, trimesh.Trime
     kind = rng.choice(["book", "box", "cup", "bottle", "bowl", "ball", "cone", "books"])
     match kind:
         case "book":
-            return kind, trimesh.creation.box([rng.uniform(0.14, 0.2), rng.uniform(0.2, 0.27), rng.uniform(0.03, 0.06)]), False
+            return (
+                kind,
+                trimesh.creation.box(
+                    [rng.uniform(0.14, 0.2), rng.uniform(0.2, 0.27), rng.uniform(0.03, 0.06)]
+                ),
+                False,
+            )
         case "books":
-            return kind, trimesh.creation.box([rng.uniform(0.15, 0.3), 0.16, min(rng.uniform(0.2, 0.27), tallest)]), False
+            return (
+                kind,
+                trimesh.creation.box([rng.uniform(0.15, 0.3), 0.16, min(rng.uniform(0.2, 0.27), tallest)]),
+                False,
+            )
         case "box":
-            return str(rng.choice(OTHERS)), trimesh.creation.box([*rng.uniform(0.1, 0.3, 2), min(rng.uniform(0.08, 0.3), tallest)]), False
+            return (
+                str(rng.choice(OTHERS)),
+                trimesh.creation.box([*rng.uniform(0.1, 0.3, 2), min(rng.uniform(0.08, 0.3), tallest)]),
+                False,
+            )
         case "cup":
-            return kind, trimesh.creation.cylinder(rng.uniform(0.04, 0.05), rng.uniform(0.08, 0.11), sections=48), True
+            return (
+                kind,
+                trimesh.creation.cylinder(rng.uniform(0.04, 0.05), rng.uniform(0.08, 0.11), sections=48),
+                True,
+            )
         case "bottle":
-            return kind, trimesh.creation.cylinder(rng.uniform(0.04, 0.05), min(rng.uniform(0.2, 0.3), tallest), sections=48), True
+            return (
+                kind,
+                trimesh.creation.cylinder(
+                    rng.uniform(0.04, 0.05), min(rng.uniform(0.2, 0.3), tallest), sections=48
+                ),
+                True,
+            )
         case "bowl":
-            return kind, trimesh.creation.cylinder(rng.uniform(0.08, 0.13), rng.uniform(0.06, 0.1), sections=48), True
+            return (
+                kind,
+                trimesh.creation.cylinder(rng.uniform(0.08, 0.13), rng.uniform(0.06, 0.1), sections=48),
+                True,
+            )
         case "ball":
             return kind, trimesh.creation.icosphere(3, min(rng.uniform(0.06, 0.12), tallest / 2)), True
-    return "cone", trimesh.creation.cone(rng.uniform(0.08, 0.12), min(rng.uniform(0.18, 0.3), tallest), sections=48), True
+    return (
+        "cone",
+        trimesh.creation.cone(rng.uniform(0.08, 0.12), min(rng.uniform(0.18, 0.3), tallest), sections=48),
+        True,
+    )
 
 
 def furnished(seed: int, number: int = 30) -> Room:
     """Return a random room: two tables, a shelf, a cabinet, two chairs, and small things on all of them."""
     rng = np.random.default_rng(seed)
     room = Room()
-    plans: list[tuple[np.ndarray, float]] = []
 
     def stand(name: str, label: str, mesh: trimesh.Trimesh, x: float, y: float, yaw: float) -> Thing:
         thing = Thing(name, label, *placed(mesh, (x, y, 0.0), yaw))
@@ -191,7 +221,8 @@ def poses(seed: int) -> list[tuple[Array, Array]]:
     targets = [(2.5, 2.3), (1.9, 2.2), (1.8, 1.6), (2.2, 1.8), (3.6, 2.6)]
     result = []
     for (x, y), (tx, ty) in zip(eyes, targets, strict=True):
-        eye = np.array([x, y, 0.0]) + [*rng.uniform(-0.1, 0.1, 2), rng.uniform(1.35, 1.6)]
+        dx, dy = rng.uniform(-0.1, 0.1, 2)
+        eye = np.array([x + dx, y + dy, rng.uniform(1.35, 1.6)])
         result.append((eye, np.array([tx, ty, 0.55])))
     return result
 
@@ -216,7 +247,9 @@ def observe(
         camera = Camera(640, 480, 525.0, 525.0, 319.5, 239.5, looking(eye, target))
         picture = render(camera, room.bodies())
         depth = noisy(picture, noise, rng, flying, dropped=0.01)
-        mixed = dict(zip(range(1, len(room.things) + 1), (1 + rng.permutation(len(room.things))).tolist(), strict=True))
+        mixed = dict(
+            zip(range(1, len(room.things) + 1), (1 + rng.permutation(len(room.things))).tolist(), strict=True)
+        )
         table = np.zeros(2000, dtype=np.int64)
         for number, shown in mixed.items():
             table[number] = shown

@@ -84,16 +84,20 @@ class SpatialObject:
     kind : "object" or "surface"
         A surface is a wall, floor or ceiling: always a reference, never a figure.
     region : Region
+    seen_in : tuple of str
+        Ids of the views it was seen in, each once; empty where that is not known.
     """
 
     id: str
     labels: tuple[Label, ...]
     kind: Kind
     region: Region
+    seen_in: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         ranked = tuple(sorted(self.labels, key=lambda label: -label.score))
         object.__setattr__(self, "labels", ranked)
+        object.__setattr__(self, "seen_in", tuple(dict.fromkeys(self.seen_in)))
 
     @property
     def label(self) -> str:
@@ -229,6 +233,13 @@ class Scene:
             raise SceneError(f"scene {quoted(parts.id)}: {cause}") from cause
         objects = tuple(_object(part, base) for part in parts.objects)
         views = tuple(_view(part) for part in parts.views)
+        known = {view.id for view in views}
+        for thing in objects:
+            lost = next((view for view in thing.seen_in if view not in known), None)
+            if lost is not None:
+                raise SceneError(
+                    f"object {quoted(thing.id)}: it was seen in {quoted(lost)}, which is no view: add the view"
+                )
         scene = cls(parts.id, objects, views, limits, strays=parts.strays)
         object.__setattr__(scene, "diagnostics", (*diagnostics, *_oddities(scene)))
         return scene
@@ -325,7 +336,9 @@ def _object(part: ObjectPart, base: Path | None) -> SpatialObject:
         region = _region(part, given, base)
     except SceneError as cause:
         raise SceneError(f"object {quoted(part.id)}: {cause}") from cause
-    return SpatialObject(part.id, labels, part.kind, region)
+    return SpatialObject(
+        part.id, labels, part.kind, region, tuple(part.seen_in) if "seen_in" in given else ()
+    )
 
 
 def _region(part: ObjectPart, given: set[str], base: Path | None) -> Region:
@@ -376,7 +389,8 @@ def _object_values(thing: SpatialObject) -> dict[str, Any]:
         values["label"] = thing.label
     elif thing.labels:
         values["labels"] = [{"name": label.name, "score": label.score} for label in thing.labels]
-    return values | region_values(thing.region)
+    values |= region_values(thing.region)
+    return {**values, "seen_in": list(thing.seen_in)} if thing.seen_in else values
 
 
 def _view_values(view: View) -> dict[str, Any]:

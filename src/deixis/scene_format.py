@@ -143,8 +143,12 @@ class ObjectPart(Part):
         "centimetres apart: see 'strays'."
     )
     mesh: MeshOrFile = optional("The region as a triangle mesh, or the path of a file as for 'points'.")
-    polygon: Annotated[list[Point], Field(min_length=3, fail_fast=True), BeforeValidator(listed)] = (
-        optional("A surface's corners in order, metres, world frame.")
+    polygon: Annotated[list[Point], Field(min_length=3, fail_fast=True), BeforeValidator(listed)] = optional(
+        "A surface's corners in order, metres, world frame."
+    )
+
+    seen_in: Annotated[list[Name], Field(min_length=1), BeforeValidator(listed)] = optional(
+        "The views it was seen in, by their ids, where that is known."
     )
 
     @model_validator(mode="after")
@@ -322,8 +326,7 @@ def _sentence(problem: Any, data: dict[str, Any]) -> str:
 def _owner(place: list[str | int], data: dict[str, Any]) -> tuple[str, list[str | int]]:
     """Return what a place in the file belongs to, in words, and the rest of the place within it."""
     if len(place) >= 2 and place[0] in ("objects", "views") and isinstance(place[1], int):
-        listed = listed(data[place[0]])
-        item = listed[place[1]]
+        item = listed(data[place[0]])[place[1]]
         name = item.get("id") if isinstance(item, dict) else None
         noun = str(place[0])[:-1]
         return f"{noun} {quoted(name)}" if isinstance(name, str) else f"{noun} number {place[1] + 1}", place[

@@ -129,5 +129,7 @@ def fused(rankings: Sequence[tuple[Sequence[Label], float]]) -> tuple[Label, ...
     for labels, weight in rankings:
         for label in labels:
             total[label.name] = total.get(label.name, 0.0) + label.score * weight
-    ranked = sorted(((score / weights, name) for name, score in total.items()), key=lambda one: (-one[0], one[1]))
+    ranked = sorted(
+        ((score / weights, name) for name, score in total.items()), key=lambda one: (-one[0], one[1])
+    )
     return tuple(Label(name, round(score, 6)) for score, name in ranked[:TOP])

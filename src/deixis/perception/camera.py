@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from deixis.errors import SceneError
-from deixis.frames import Array
+from deixis.frames import Array, Index
 
 SQUARE = 1.0e-3
 """How far a pose may be from a rotation, entry by entry, before it is refused rather than made one."""
@@ -56,7 +56,9 @@ class Camera:
         pose = np.array(self.camera2world, dtype=np.float64)
         numbers = [self.fx, self.fy, self.cx, self.cy]
         if not np.isfinite(numbers).all() or min(self.fx, self.fy) <= 0.0:
-            raise SceneError("the camera's intrinsics are not finite and positive: give fx, fy, cx, cy in pixels")
+            raise SceneError(
+                "the camera's intrinsics are not finite and positive: give fx, fy, cx, cy in pixels"
+            )
         if pose.shape != (4, 4) or not np.isfinite(pose).all() or (pose[3] != [0.0, 0.0, 0.0, 1.0]).any():
             raise SceneError("the camera's pose is no rigid motion: give four rows, the last 0, 0, 0, 1")
         turn = pose[:3, :3]
@@ -73,7 +75,7 @@ class Camera:
         """Return where the camera is, (3,) metres, world frame."""
         return self.camera2world[:3, 3]
 
-    def rays(self, u: Array, v: Array) -> Array:
+    def rays(self, u: Array | Index, v: Array | Index) -> Array:
         """Return what pixels look along, (n, 3), world frame, with one metre of depth each.
 
         Parameters
@@ -85,7 +87,7 @@ class Camera:
         turn = self.camera2world[:3, :3]
         return np.asarray(x[:, None] * turn[:, 0] + y[:, None] * turn[:, 1] + turn[:, 2])
 
-    def points(self, u: Array, v: Array, depth: Array) -> Array:
+    def points(self, u: Array | Index, v: Array | Index, depth: Array) -> Array:
         """Return the points that pixels show, (n, 3) metres, world frame.
 
         Parameters

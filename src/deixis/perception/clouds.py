@@ -131,17 +131,27 @@ def _instance_field(names: tuple[str, ...]) -> str:
 
 
 def _records(rows: Rows) -> Iterator[tuple[Rows, Rows]]:
-    """Yield the parts of an array of records, which may lie in a file."""
+    """Yield the parts of an array of records."""
     field = _instance_field(rows.dtype.names or ())
     for start in range(0, len(rows), CHUNK):
-        part = np.array(rows[start : start + CHUNK])
+        part = rows[start : start + CHUNK]
         yield np.stack([part["x"], part["y"], part["z"]], axis=1).astype(np.float64), part[field]
 
 
-def _mapped(path: Path, kind: np.dtype[Any], offset: int, size: int) -> Rows:
+def _binary(
+    path: Path, kind: np.dtype[Any], offset: int, size: int
+) -> tuple[int, Callable[[], Iterator[tuple[Rows, Rows]]]]:
+    """Return the number of records in a file from an offset on, and an iterator over them."""
     if size < 1 or offset + size * kind.itemsize > path.stat().st_size:
         raise ValueError(f"it declares {size:,} points of {kind.itemsize} bytes, and is shorter")
-    return np.memmap(path, kind, "r", offset, (size,))
+
+    def raw() -> Iterator[tuple[Rows, Rows]]:
+        with path.open("rb") as file:
+            file.seek(offset)
+            for start in range(0, size, CHUNK):
+                yield from _records(np.fromfile(file, kind, min(CHUNK, size - start)))
+
+    return size, raw
 
 
 def _open_ply(path: Path) -> tuple[int, Callable[[], Iterator[tuple[Rows, Rows]]]]:
@@ -168,8 +178,7 @@ def _open_ply(path: Path) -> tuple[int, Callable[[], Iterator[tuple[Rows, Rows]]
     if form == "ascii":
         return size, lambda: _text(path, after, size, fields)
     order = {"binary_little_endian": "<", "binary_big_endian": ">"}[form]
-    rows = _mapped(path, np.dtype([(name, order + kind) for name, kind in fields]), after, size)
-    return size, lambda: _records(rows)
+    return _binary(path, np.dtype([(name, order + kind) for name, kind in fields]), after, size)
 
 
 def _text(path: Path, after: int, size: int, fields: list[tuple[str, str]]) -> Iterator[tuple[Rows, Rows]]:
@@ -188,7 +197,7 @@ def _text(path: Path, after: int, size: int, fields: list[tuple[str, str]]) -> I
 
 def _open_pcd(path: Path) -> tuple[int, Callable[[], Iterator[tuple[Rows, Rows]]]]:
     try:
-        from pypcd4 import Encoding, MetaData, PointCloud
+        from pypcd4.pypcd4 import Encoding, MetaData, PointCloud
     except ImportError as cause:
         raise MissingDependency("PCD files need pypcd4: pip install 'deixis[perception]'") from cause
     with path.open("rb") as file:
@@ -201,8 +210,7 @@ def _open_pcd(path: Path) -> tuple[int, Callable[[], Iterator[tuple[Rows, Rows]]
     kind = told.build_dtype()
     _instance_field(kind.names or ())
     if told.data == Encoding.BINARY:
-        rows = _mapped(path, kind, after, told.points)
-        return told.points, lambda: _records(rows)
+        return _binary(path, kind, after, told.points)
     length = path.stat().st_size
     unfolded = length
     if told.data == Encoding.BINARY_COMPRESSED:
@@ -224,7 +232,9 @@ def _open_npz(path: Path) -> tuple[int, Callable[[], Iterator[tuple[Rows, Rows]]
     if len(points[0]) != 2 or points[0][1] != 3 or points[1].kind != "f":
         raise SceneError(f"its points have the shape {points[0]} of {points[1]}: give (n, 3) floats")
     if instances[0] != points[0][:1] or instances[1].kind not in "iu":
-        raise SceneError(f"its instances have the shape {instances[0]} of {instances[1]}: give (n,) whole numbers")
+        raise SceneError(
+            f"its instances have the shape {instances[0]} of {instances[1]}: give (n,) whole numbers"
+        )
     size = int(points[0][0])
 
     def raw() -> Iterator[tuple[Rows, Rows]]:

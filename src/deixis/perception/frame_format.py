@@ -150,7 +150,9 @@ def parse_frame(data: object, what: str) -> FramePart:
         return FramePart.model_validate(data)
     except ValidationError as cause:
         problem = cause.errors(include_url=False)[0]
-        place = "".join(f"[{one}]" if isinstance(one, int) else f".{one}" for one in problem["loc"]).lstrip(".")
+        place = "".join(f"[{one}]" if isinstance(one, int) else f".{one}" for one in problem["loc"]).lstrip(
+            "."
+        )
         match problem["type"]:
             case "missing":
                 reason = f"{place} is missing: add it"

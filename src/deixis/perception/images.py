@@ -53,7 +53,8 @@ def read_depth(path: Path, size: tuple[int, int], scale: float) -> Array:
 def read_instances(path: Path, size: tuple[int, int]) -> Index:
     """Return the number of the thing that each pixel shows, (h, w); raises as :func:`read_depth` does."""
     if path.suffix.lower() == ".png":
-        return _png(path, size, _NUMBERED, "an image of one number for each pixel").astype(np.int64)
+        numbers = _png(path, size, _NUMBERED, "an image of one number for each pixel")
+        return np.asarray(numbers, dtype=np.int64)
     image = _npy(path, size)
     if image.dtype.kind not in "iu" or image.dtype.itemsize > 4:
         raise SceneError(
@@ -66,7 +67,9 @@ def read_instances(path: Path, size: tuple[int, int]) -> Index:
 
 def _check_size(path: Path, found: tuple[int, ...], size: tuple[int, int]) -> None:
     if size[0] * size[1] > MAX_PIXELS:
-        raise SceneError(f"an image of {size[0]} x {size[1]} is too large: the limit is {MAX_PIXELS:,} pixels")
+        raise SceneError(
+            f"an image of {size[0]} x {size[1]} is too large: the limit is {MAX_PIXELS:,} pixels"
+        )
     if tuple(found) != size:
         has = " x ".join(map(str, found))
         raise SceneError(
@@ -93,7 +96,9 @@ def _png(path: Path, size: tuple[int, int], modes: tuple[str, ...], wanted: str)
     except SceneError:
         raise
     except Image.DecompressionBombError as cause:
-        raise SceneError(f"the file {quoted(path.name)} unfolds to too many pixels: give the camera's") from cause
+        raise SceneError(
+            f"the file {quoted(path.name)} unfolds to too many pixels: give the camera's"
+        ) from cause
     except (OSError, SyntaxError, ValueError, EOFError, TypeError, IndexError, OverflowError) as cause:
         raise SceneError(f"the file {quoted(path.name)} is no sound PNG: {cause}") from cause
     if pixels is None:

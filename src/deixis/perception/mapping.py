@@ -13,7 +13,7 @@ from deixis.frames import Array
 from deixis.perception.association import associate, boxes_of, doubles, fused
 from deixis.perception.frame import CloudFrame, Frame
 from deixis.perception.carving import Backdrop
-from deixis.perception.shapes import corners, region_of
+from deixis.perception.shapes import region_of
 from deixis.perception.surfaces import find_surfaces
 from deixis.perception.views import Sighting, show, show_cloud
 from deixis.scene import Label, Scene, SpatialObject, SurfaceRegion, View
@@ -22,6 +22,9 @@ from deixis.thresholds import Thresholds
 
 DECIMALS: Final = 4
 """Tenths of a millimetre: finer than any camera sees."""
+
+FEW: Final = 600
+"""Points by which sightings of one thing are known."""
 
 KEPT: Final = 16
 """Latest frames whose images are kept, to look through points of others with."""
@@ -39,7 +42,7 @@ class _Thing:
 
     def add(self, sighting: Sighting, view: str) -> None:
         self.clouds.append((sighting.points, sighting.wobble))
-        self.outer = corners(np.concatenate([self.outer, corners(sighting.points)]))
+        self.outer = _some(np.concatenate([self.outer, _some(sighting.points)]))
         self.seen.append((sighting.labels, float(len(sighting.points))))
         self.views.append(view)
 
@@ -48,7 +51,7 @@ class _Thing:
         self.clouds += other.clouds
         self.seen += other.seen
         self.views += other.views
-        self.outer = corners(np.concatenate([self.outer, other.outer]))
+        self.outer = _some(np.concatenate([self.outer, other.outer]))
 
     @property
     def labels(self) -> tuple[Label, ...]:
@@ -99,7 +102,7 @@ class Map:
         self._rest.append((shown.rest, shown.eye))
         self._noise = max(self._noise, shown.noise)
         known = boxes_of([thing.outer for thing in self._things])
-        seen = boxes_of([corners(one.points) for one in shown.things])
+        seen = boxes_of([_some(one.points) for one in shown.things])
         match = associate(
             known,
             [thing.labels for thing in self._things],
@@ -169,26 +172,33 @@ class Map:
             region, note = region_of(*self._kept(number, thing), self.thresholds)
             if note:
                 notes.append(f"object {quoted(thing.id)}: {note}")
-            objects.append(SpatialObject(thing.id, thing.labels, "object", region))
+            objects.append(
+                SpatialObject(thing.id, thing.labels, "object", region, tuple(sorted(thing.views)))
+            )
         if self._rest:
             points = np.concatenate([rest for rest, _ in self._rest])
             eyes = np.concatenate([np.broadcast_to(eye, rest.shape) for rest, eye in self._rest])
+            by = np.repeat(np.arange(len(self._rest)), [len(rest) for rest, _ in self._rest])
+            views = [view.id for view in self._views]
             surfaces, more = find_surfaces(points, eyes, self._noise)
             notes += more
             moment = self._views[-1].id
             for number, surface in enumerate(surfaces, 1):
-                objects.append(
-                    SpatialObject(
-                        f"{moment}_s{number}",
-                        (Label(surface.name),),
-                        "surface",
-                        SurfaceRegion(np.round(surface.polygon, DECIMALS)),
-                    )
-                )
+                region = SurfaceRegion(np.round(surface.polygon, DECIMALS))
+                name = f"{moment}_s{number}"
+                seen = tuple(views[index] for index in np.unique(by[surface.members]))
+                objects.append(SpatialObject(name, (Label(surface.name),), "surface", region, seen))
         return Scene(self.name, tuple(objects), tuple(self._views), self.thresholds, tuple(notes))
 
 
-def perceive(frames: Iterable[Frame | CloudFrame], name: str = "map", thresholds: Thresholds | None = None) -> Scene:
+def _some(points: Array) -> Array:
+    """Return as many points as it takes to see where a thing is."""
+    return points[:: -(-len(points) // FEW)]
+
+
+def perceive(
+    frames: Iterable[Frame | CloudFrame], name: str = "map", thresholds: Thresholds | None = None
+) -> Scene:
     """Return the scene that frames show together."""
     result = Map(name, thresholds)
     for frame in sorted(frames, key=lambda one: one.stamp):

@@ -51,7 +51,7 @@ class Smoothed:
     Attributes
     ----------
     u, v : (n,) int
-        Columns and rows.
+        Columns and rows of the crop.
     depth : (n,) float
         Metres, from the fit.
     error : (n,) float
@@ -82,7 +82,7 @@ def noise_of(depth: Array, mask: Mask) -> float:
     return float(np.median(np.abs(bent)) / (0.6745 * np.sqrt(6.0)))
 
 
-def smooth(depth: Array, mask: Mask, noise: float, corner: tuple[int, int] = (0, 0)) -> Smoothed:
+def smooth(depth: Array, mask: Mask, noise: float) -> Smoothed:
     """Return a thing's pixels with the noise of their depths averaged away.
 
     Parameters
@@ -93,8 +93,6 @@ def smooth(depth: Array, mask: Mask, noise: float, corner: tuple[int, int] = (0,
         The thing's pixels that have a depth.
     noise : float
         Standard deviation of the depths, metres.
-    corner : (int, int)
-        Column and row of the crop's first pixel in the image.
     """
     radius = int(np.clip(np.sqrt(np.count_nonzero(mask)) / 6.0, *WINDOW))
     reach = max(LAYER * noise, THINNEST)
@@ -125,8 +123,8 @@ def smooth(depth: Array, mask: Mask, noise: float, corner: tuple[int, int] = (0,
     good = mask & np.isfinite(fitted)
     v, u = np.nonzero(good)
     return Smoothed(
-        u + corner[0],
-        v + corner[1],
+        u,
+        v,
         fitted[good],
         error[good],
         int(np.count_nonzero(mask) - len(u)),

@@ -21,8 +21,8 @@ CELL: Final = 0.01
 COARSE: Final = 5
 """Cells on a side of one for what is no thing."""
 
-MAX_CELLS: Final = 20_000_000
-"""Most cells of a cloud: what is kept of each is 40 bytes."""
+MAX_CELLS: Final = 5_000_000
+"""Most cells of a cloud: what is kept of each is 48 bytes."""
 
 MAX_THINGS: Final = 4095
 """Most things of a cloud."""
@@ -35,9 +35,7 @@ _HALF: Final = 1 << _BITS - 1
 _WAITING: Final = 4_000_000
 
 
-def thinned(
-    cloud: CloudFile, advance: Callable[[int], None] | None = None
-) -> tuple[dict[int, Array], Array]:
+def thinned(cloud: CloudFile, advance: Callable[[int], None] | None = None) -> tuple[dict[int, Array], Array]:
     """Return the points of each thing by its number, and those of no thing, each (m, 3) metres.
 
     Parameters

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from deixis.frames import Array
 from deixis.perception.frame import CloudFrame, Frame
@@ -17,8 +18,14 @@ from deixis.scene import Label
 FEWEST: Final = 25
 """Pixels that a thing needs to be measured."""
 
+MANY: Final = 6_000
+"""Pixels of a thing that are about enough."""
+
 REST: Final = 20_000
 """Pixels of what is no thing that are kept."""
+
+DENSE: Final = 1 << 14
+"""Numbers below this are few enough to look for each."""
 
 EYE: Final = 1.0
 """Metres above the robot's position that a cloud is taken to be seen from."""
@@ -74,16 +81,11 @@ class Shown:
 
 def show(frame: Frame) -> Shown:
     """Return what a frame shows."""
-    from scipy.ndimage import find_objects
-
     valid = (frame.depth > 0.0) & (frame.depth < FARTHEST)
     ids = frame.instances
     noise = noise_of(frame.depth, valid) if frame.noise is None else frame.noise
     things, notes = [], []
-    known, dense = np.unique(ids, return_inverse=True)
-    dense = dense.reshape(ids.shape) + (0 if 0 in known else 1)
-    numbers = known[known != 0]
-    for number, part in zip(numbers.tolist(), find_objects(dense), strict=True):
+    for number, part in _crops(ids):
         mask = (ids[part] == number) & valid[part]
         count = int(np.count_nonzero(mask))
         labels = frame.labels.get(number, ())
@@ -92,18 +94,32 @@ def show(frame: Frame) -> Shown:
             notes.append(f"{name}: {count} pixels with a depth, fewer than {FEWEST}: left out")
             continue
         rows, columns = part
-        found = smooth(frame.depth[part], mask, noise, (columns.start, rows.start))
-        if len(found.u) < FEWEST:
+        # Of what fills the image every other pixel or so is enough.
+        step = int(np.ceil(np.sqrt(count / MANY)))
+        found = smooth(frame.depth[part][::step, ::step], mask[::step, ::step], noise)
+        u, v = columns.start + step * found.u, rows.start + step * found.v
+        if len(u) < FEWEST:
             notes.append(f"{name}: its depths are all noise: left out")
             continue
-        rays = frame.camera.rays(found.u, found.v)
+        rays = frame.camera.rays(u, v)
         points = found.depth[:, None] * rays + frame.camera.position
         things.append(Sighting(number, labels, points, found.error[:, None] * rays))
-    v, u = np.nonzero(valid & (ids == 0))
-    stride = max(1, len(u) // REST)
-    u, v = u[::stride], v[::stride]
+    flat = np.flatnonzero(valid & (ids == 0))
+    v, u = np.divmod(flat[:: max(1, len(flat) // REST)].astype(np.int64), frame.camera.width)
     rest = frame.camera.points(u, v, frame.depth[v, u])
     return Shown(things, rest, frame.camera.position, noise, notes)
+
+
+def _crops(ids: NDArray[np.integer]) -> list[tuple[int, tuple[slice, slice]]]:
+    """Return the numbers in an image, 0 left out, each with the rows and columns it is in."""
+    from scipy.ndimage import find_objects
+
+    if int(ids.max(initial=0)) < DENSE:
+        return [(number, part) for number, part in enumerate(find_objects(ids), 1) if part is not None]
+    known, dense = np.unique(ids, return_inverse=True)
+    numbers = known[known > 0].tolist()
+    parts = find_objects(dense.reshape(ids.shape) + int(known[0] != 0))
+    return list(zip(numbers, parts, strict=True))
 
 
 def show_cloud(frame: CloudFrame, advance: Callable[[int], None] | None = None) -> Shown:
