@@ -20,8 +20,8 @@ from deixis.ruleset import load
 from deixis.scene import Scene, SurfaceRegion
 from deixis.sql import SqlExecutor
 from deixis.vocabulary import RELATIONS
-from rooms import SHELL, Observed, Room, Thing, furnished, observe
 from render import Picture
+from rooms import SHELL, Observed, Room, Thing, furnished, observe
 
 ENOUGH = 150
 """Pixels in some frame that a visible thing has."""
@@ -57,12 +57,14 @@ class Score:
             setattr(self, name, getattr(self, name) + value)
 
     def text(self) -> str:
+        tilt, off = max(self.tilts, default=0.0), 100.0 * max(self.offsets, default=0.0)
+        precision, recall = self.both / max(self.found, 1), self.both / max(self.true, 1)
         return (
             f"{self.visible} visible things, {self.recovered} recovered ({self.recovered / self.visible:.1%}), "
             f"median IoU {np.median(self.ious):.3f}, {self.spurious} spurious; "
-            f"surfaces within {max(self.tilts, default=0):.2f} degrees and {max(self.offsets, default=0) * 100:.2f} cm, "
-            f"{self.missed_surfaces} missed; relations of {self.whole} whole things: F1 {self.f1:.3f} "
-            f"(P {self.both / max(self.found, 1):.3f}, R {self.both / max(self.true, 1):.3f}, {self.true})"
+            f"surfaces within {tilt:.2f} degrees and {off:.2f} cm, {self.missed_surfaces} missed; "
+            f"relations of {self.whole} whole things: F1 {self.f1:.3f} "
+            f"(P {precision:.3f}, R {recall:.3f}, {self.true})"
         )
 
 

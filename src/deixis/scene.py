@@ -238,7 +238,7 @@ class Scene:
             lost = next((view for view in thing.seen_in if view not in known), None)
             if lost is not None:
                 raise SceneError(
-                    f"object {quoted(thing.id)}: it was seen in {quoted(lost)}, which is no view: add the view"
+                    f"object {quoted(thing.id)}: it was seen in {quoted(lost)}, which is no view: add it"
                 )
         scene = cls(parts.id, objects, views, limits, strays=parts.strays)
         object.__setattr__(scene, "diagnostics", (*diagnostics, *_oddities(scene)))

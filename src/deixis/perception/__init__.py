@@ -1,4 +1,4 @@
-"""Perception: depth images and point clouds with labelled regions become a scene (section 4.1 of the paper)."""
+"""Perception: depth images and clouds with labelled regions become a scene (section 4.1 of the paper)."""
 
 from __future__ import annotations
 

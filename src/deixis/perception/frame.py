@@ -56,7 +56,7 @@ class Frame:
             if image.shape != shape:
                 has = " x ".join(map(str, image.shape[::-1]))
                 raise SceneError(
-                    f"the {noun} image is {has} pixels, the camera {shape[1]} x {shape[0]}: give those of one camera"
+                    f"the {noun} image is {has} pixels, the camera {shape[1]} x {shape[0]}: give its own"
                 )
         if not np.isfinite(self.stamp):
             raise SceneError("the frame's stamp is not finite: give seconds since the epoch")

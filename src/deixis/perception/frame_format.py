@@ -1,4 +1,4 @@
-"""Frame format v1: what a robot saw at one time, as a JSON file beside its images or its cloud; and its schema."""
+"""Frame format v1: what a robot saw at one time, as a JSON file beside its images or cloud; its schema."""
 
 from __future__ import annotations
 
@@ -97,7 +97,8 @@ class FramePart(Part):
         "A .png of 8 or 16 bits, or .npy of whole numbers: which thing each pixel shows, 0 none."
     )
     cloud: FileName = optional(
-        "Instead of 'depth': a .ply, .pcd or .npz with points in the world frame, metres, and the instance of each."
+        "Instead of 'depth': a .ply, .pcd or .npz with points in the world frame, metres, "
+        "and the instance of each."
     )
     noise: Annotated[float, Field(ge=0.0, le=1.0)] = optional(
         "Standard deviation of the depths, metres; measured in the image where it is left out."

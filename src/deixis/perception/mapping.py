@@ -11,8 +11,8 @@ import numpy as np
 from deixis.errors import SceneError
 from deixis.frames import Array
 from deixis.perception.association import associate, boxes_of, doubles, fused
-from deixis.perception.frame import CloudFrame, Frame
 from deixis.perception.carving import Backdrop
+from deixis.perception.frame import CloudFrame, Frame
 from deixis.perception.shapes import region_of
 from deixis.perception.surfaces import find_surfaces
 from deixis.perception.views import Sighting, show, show_cloud
@@ -23,7 +23,7 @@ from deixis.thresholds import Thresholds
 DECIMALS: Final = 4
 """Tenths of a millimetre: finer than any camera sees."""
 
-FEW: Final = 600
+FEW: Final = 200
 """Points by which sightings of one thing are known."""
 
 KEPT: Final = 16
@@ -132,7 +132,7 @@ class Map:
 
     def _settle(self) -> None:
         """Let things that turned out to be one be one; the older keeps its id."""
-        while True:
+        while len(self._views) > 1:
             found = doubles(
                 boxes_of([thing.outer for thing in self._things]),
                 [thing.labels for thing in self._things],

@@ -118,7 +118,7 @@ def _best(points: Array, within: float, rng: np.random.Generator) -> tuple[Array
 
 
 def _fitted(points: Array, normal: Array, offset: float, within: float) -> tuple[Array, float, Mask] | None:
-    """Return a plane fitted to the points near it, again and again, and which they are; None where it tips."""
+    """Return a plane fitted to the points near it, time and again, and which those are; None if it tips."""
     inside = _within(points, normal, offset, 1.5 * within)
     for _ in range(4):
         near = points[inside]

@@ -33,10 +33,10 @@ DECIMALS: Final = 4
 CHUNK: Final = 1 << 10
 """Points looked at together."""
 
-ENOUGH: Final = 4096
+ENOUGH: Final = 2048
 """Points that tell the shape of a hull; how far it reaches all of them tell."""
 
-SAMPLE: Final = 1000
+SAMPLE: Final = 500
 """Points by which the sides of a box are told."""
 
 TOP: Final = 0.025
@@ -92,7 +92,7 @@ def corners(points: Array) -> Array:
 
     Examples
     --------
-    >>> corners(np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.1, 0.2], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1.0]])).shape
+    >>> corners(np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.1, 0.2], [1, 1, 0], [0, 1, 0], [0, 0, 1.0]])).shape
     (5, 3)
     """
     points = points[:: -(-len(points) // ENOUGH)]

@@ -157,7 +157,7 @@ def _fit_layer(
     support = _window_sums(near.astype(np.float64), radius)
     inner = near & sure
     fit, spread, count = _plane_fit(depth, inner, radius)
-    # What flies drags the fits of its neighbours along: once more without it, and with what fits of the border.
+    # What flies drags its neighbours' fits along: once more without it, and with what fits of the border.
     known = count >= FEWEST
     likely = np.abs(depth - fit) <= STRAY * np.sqrt(floor * floor + noise * noise * spread)
     use = near & np.where(known, likely, inner | ~_grown(inner, radius))
@@ -177,10 +177,12 @@ def _window_sums(images: Array, radius: int) -> Array:
     """Return the sums over square windows around each pixel of some images; beyond the border is nothing."""
     *many, rows, columns = images.shape
     size = 2 * radius + 1
-    total = np.zeros((*many, rows + size, columns + size))
-    total[..., radius + 1 : radius + 1 + rows, radius + 1 : radius + 1 + columns] = images
-    np.cumsum(total, axis=-2, out=total)
-    tall = total[..., size:, :] - total[..., :rows, :]
+    # Down the columns row is added to row, for as many rows as a window has; along them by running sums.
+    padded = np.zeros((*many, rows + 2 * radius, columns + size))
+    padded[..., radius : radius + rows, radius + 1 : radius + 1 + columns] = images
+    tall = padded[..., :rows, :].copy()
+    for down in range(1, size):
+        tall += padded[..., down : down + rows, :]
     np.cumsum(tall, axis=-1, out=tall)
     return np.asarray(tall[..., size:] - tall[..., :columns])
 

@@ -120,7 +120,7 @@ def _surface(
 
     one, other = _axes(plane)
     flat = points[members] @ np.stack([one, other], axis=1)
-    outline = shapely.convex_hull(shapely.multipoints(flat)).simplify(_CHORD)
+    outline = shapely.convex_hull(shapely.linestrings(flat)).simplify(_CHORD)
     if outline.geom_type != "Polygon" or outline.area < SMALLEST:
         return None
     ring = shapely.get_coordinates(outline)[:-1]

@@ -85,7 +85,7 @@ class _Cells:
         place = np.floor(points / cell[:, None])
         if len(place) and np.abs(place).max() >= _HALF:
             raise SceneError(
-                f"the file {name} has points more than {_HALF * CELL:.0f} m from the origin: use a local frame"
+                f"the file {name} has points more than {_HALF * CELL:.0f} m away: use a local frame"
             )
         grid = place.astype(np.int64) + _HALF
         key = (grid[:, 0] << 2 * _BITS) | (grid[:, 1] << _BITS) | grid[:, 2]

@@ -18,10 +18,10 @@ from deixis.scene import Label
 FEWEST: Final = 25
 """Pixels that a thing needs to be measured."""
 
-MANY: Final = 6_000
+MANY: Final = 3_000
 """Pixels of a thing that are about enough."""
 
-REST: Final = 20_000
+REST: Final = 10_000
 """Pixels of what is no thing that are kept."""
 
 DENSE: Final = 1 << 14
@@ -133,7 +133,7 @@ def show_cloud(frame: CloudFrame, advance: Callable[[int], None] | None = None) 
         else:
             things.append(Sighting(number, labels, points, np.zeros_like(points)))
     # Seen from where the robot is, above its floor.
-    eye = frame.position + [0.0, 0.0, EYE]
+    eye = frame.position + np.array([0.0, 0.0, EYE])
     stride = max(1, len(rest) // (10 * REST))
     return Shown(things, rest[::stride], eye, frame.noise or 0.0, notes)
 
