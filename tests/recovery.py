@@ -58,9 +58,10 @@ class Score:
 
     def text(self) -> str:
         tilt, off = max(self.tilts, default=0.0), 100.0 * max(self.offsets, default=0.0)
+        share = self.recovered / max(self.visible, 1)
         precision, recall = self.both / max(self.found, 1), self.both / max(self.true, 1)
         return (
-            f"{self.visible} visible things, {self.recovered} recovered ({self.recovered / self.visible:.1%}), "
+            f"{self.visible} visible things, {self.recovered} recovered ({share:.1%}), "
             f"median IoU {np.median(self.ious):.3f}, {self.spurious} spurious; "
             f"surfaces within {tilt:.2f} degrees and {off:.2f} cm, {self.missed_surfaces} missed; "
             f"relations of {self.whole} whole things: F1 {self.f1:.3f} "

@@ -40,7 +40,7 @@ SAMPLE: Final = 500
 """Points by which the sides of a box are told."""
 
 TOP: Final = 0.025
-"""Metres below the highest within which points are of the top."""
+"""Metres from the highest, and from the lowest, within which points are of the top or the underside."""
 
 SIDES: Final = 0.8
 """Share of a box's flank that lies along its sides."""
@@ -68,6 +68,9 @@ ROUGH: Final = 0.004
 
 WIDEST: Final = 0.5
 """Metres: the largest radius of a round thing that is completed."""
+
+LARGER: Final = 1.15
+"""How much more of the plan such a box may take than the hull's."""
 
 CLEARLY: Final = 0.15
 """By how much larger that share must be than at the hull's own yaw."""
@@ -200,23 +203,25 @@ def along_sides(points: Array, yaw: float) -> float | None:
     along = plan[:, :1] * cos + plan[:, 1:] * sin
     across = plan[:, 1:] * cos - plan[:, :1] * sin
     gaps = np.full(along.shape, np.inf)
-    smallest = np.inf
+    smallest, area = np.inf, 1.0
     for one in (along, across):
         low, high = np.quantile(one, [0.01, 0.99], axis=0)
         gaps = np.minimum(gaps, np.minimum(np.abs(one - low), np.abs(high - one)))
-        smallest = np.minimum(smallest, high - low)
+        smallest, area = np.minimum(smallest, high - low), area * (high - low)
     close = np.maximum(0.1 * smallest, 0.01)
     share = (gaps <= close).mean(axis=0)
-    best = int(share.argmax())
+    best = int(np.where(area <= LARGER * area[-1], share, 0.0).argmax())
     turned = abs((angle[best] - yaw + QUARTER / 2.0) % QUARTER - QUARTER / 2.0)
     clear = share[best] >= SIDES and share[best] >= share[-1] + CLEARLY and turned > np.radians(5.0)
     return float(angle[best]) if clear else None
 
 
 def _flank(points: Array) -> Array:
-    """Return some of the points, without those of a top, which say nothing of sides."""
+    """Return some of the points, without those of a top or of an underside, which say nothing of sides."""
     some = points[:: max(1, len(points) // SAMPLE)]
-    return np.asarray(some[some[:, 2] < np.quantile(some[:, 2], 0.98) - TOP])
+    low, high = np.quantile(some[:, 2], [0.02, 0.98])
+    margin = min(TOP, 0.25 * float(high - low))
+    return np.asarray(some[(some[:, 2] > low + margin) & (some[:, 2] < high - margin)])
 
 
 def upright_axis(points: Array) -> Array | None:

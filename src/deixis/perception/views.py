@@ -21,6 +21,9 @@ FEWEST: Final = 25
 MANY: Final = 3_000
 """Pixels of a thing that are about enough."""
 
+COARSEST: Final = 3
+"""Pixels from one that is looked at to the next, at most: what lies between at an edge is lost."""
+
 REST: Final = 10_000
 """Pixels of what is no thing that are kept."""
 
@@ -95,7 +98,7 @@ def show(frame: Frame) -> Shown:
             continue
         rows, columns = part
         # Of what fills the image every other pixel or so is enough.
-        step = int(np.ceil(np.sqrt(count / MANY)))
+        step = min(int(np.ceil(np.sqrt(count / MANY))), COARSEST)
         found = smooth(frame.depth[part][::step, ::step], mask[::step, ::step], noise)
         u, v = columns.start + step * found.u, rows.start + step * found.v
         if len(u) < FEWEST:
