@@ -8,6 +8,7 @@ not be longer than a stated limit.
 from __future__ import annotations
 
 import struct
+import warnings
 import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -85,8 +86,8 @@ def open_cloud(path: Path) -> CloudFile:
         raise SceneError(f"{name} is not a file: give the path of one")
     try:
         size, raw = _OPEN[path.suffix.lower()](path)
-    except SceneError:
-        raise
+    except SceneError as cause:
+        raise SceneError(f"the file {name}: {cause}") from cause
     except _DAMAGED as cause:
         raise SceneError(f"the file {name} is no sound {path.suffix.lower()} file: {cause}") from cause
     if not 0 < size <= MAX_POINTS:
@@ -188,7 +189,10 @@ def _text(path: Path, after: int, size: int, fields: list[tuple[str, str]]) -> I
         file.seek(after)
         while left > 0:
             some = min(left, CHUNK)
-            part = np.atleast_1d(np.loadtxt(file, np.dtype(fields), max_rows=some, comments=None))
+            with warnings.catch_warnings():
+                # That there is nothing more is said below.
+                warnings.simplefilter("ignore", UserWarning)
+                part = np.atleast_1d(np.loadtxt(file, np.dtype(fields), max_rows=some, comments=None))
             if len(part) == 0:
                 return
             left -= len(part)
@@ -218,9 +222,7 @@ def _open_pcd(path: Path) -> tuple[int, Callable[[], Iterator[tuple[Rows, Rows]]
         if after + 8 + packed > length or unfolded != told.points * kind.itemsize:
             raise ValueError("its lengths are not those of its points")
     if max(length, unfolded, told.points * kind.itemsize) > MAX_WHOLE:
-        raise SceneError(
-            f"the file {quoted(path.name)} unfolds to more than {MAX_WHOLE:,} bytes: save it as binary"
-        )
+        raise SceneError(f"it unfolds to more than {MAX_WHOLE:,} bytes: save it as binary")
     if told.data == Encoding.ASCII and 2 * told.points > length:
         raise ValueError("it declares more than it is long")
     return told.points, lambda: _records(PointCloud.from_path(path).pc_data)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+import zipfile
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,6 +20,18 @@ MAX_PIXELS: Final = 32_000_000
 
 MAX_FILE_BYTES: Final = 256 * 1024 * 1024
 """Longest image file that is read."""
+
+# What numpy and Pillow were seen to raise on damaged files.
+_DAMAGED: Final = (
+    OSError,
+    ValueError,
+    EOFError,
+    TypeError,
+    SyntaxError,
+    LookupError,
+    ArithmeticError,
+    MemoryError,
+)
 
 _DEEP: Final = ("I;16", "I;16B", "I")
 _NUMBERED: Final = ("L", "P", *_DEEP)
@@ -99,7 +112,7 @@ def _png(path: Path, size: tuple[int, int], modes: tuple[str, ...], wanted: str)
         raise SceneError(
             f"the file {quoted(path.name)} unfolds to too many pixels: give the camera's"
         ) from cause
-    except (OSError, SyntaxError, ValueError, EOFError, TypeError, IndexError, OverflowError) as cause:
+    except _DAMAGED as cause:
         raise SceneError(f"the file {quoted(path.name)} is no sound PNG: {cause}") from cause
     if pixels is None:
         raise SceneError(f"the file {quoted(path.name)} is an image of the kind {mode}: give {wanted}")
@@ -111,8 +124,10 @@ def _npy(path: Path, size: tuple[int, int]) -> np.ndarray[Any, np.dtype[Any]]:
         raise SceneError(f"{quoted(path.name)} is not a file: give the path of one")
     try:
         # Mapped, not read: what the header promises costs nothing yet, and pickles are refused.
-        image = np.load(path, mmap_mode="r", allow_pickle=False)
-    except (OSError, ValueError, EOFError, TypeError, SyntaxError, OverflowError, MemoryError) as cause:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)
+            image = np.load(path, mmap_mode="r", allow_pickle=False)
+    except (*_DAMAGED, zipfile.BadZipFile) as cause:
         raise SceneError(f"the file {quoted(path.name)} is no sound NPY: {cause}") from cause
     if not isinstance(image, np.memmap):
         raise SceneError(f"the file {quoted(path.name)} is no NPY: give one array")
