@@ -1,4 +1,4 @@
-"""The sample frames of kb/frames: a desk seen from two sides. `python tests/sample_frames.py` writes them anew."""
+"""The sample frames of kb/frames, a desk seen from two sides: `python tests/sample_frames.py` writes them."""
 
 from __future__ import annotations
 

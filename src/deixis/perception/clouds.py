@@ -8,6 +8,7 @@ not be longer than a stated limit.
 from __future__ import annotations
 
 import struct
+import tokenize
 import warnings
 import zipfile
 from collections.abc import Callable, Iterator
@@ -50,7 +51,7 @@ _PLY_TYPES: Final = {
 # What numpy, pypcd4 and zipfile were seen to raise on damaged files.
 _DAMAGED: Final = (
     OSError, ValueError, LookupError, TypeError, EOFError, RuntimeError, ArithmeticError, SyntaxError,
-    AttributeError, NotImplementedError, MemoryError, struct.error, zipfile.BadZipFile,
+    AttributeError, NotImplementedError, MemoryError, struct.error, zipfile.BadZipFile, tokenize.TokenError,
 )  # fmt: skip
 
 

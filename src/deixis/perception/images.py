@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import tokenize
 import warnings
-import zipfile
 from pathlib import Path
 from typing import Any, Final
 
@@ -126,10 +126,8 @@ def _npy(path: Path, size: tuple[int, int]) -> np.ndarray[Any, np.dtype[Any]]:
         # Mapped, not read: what the header promises costs nothing yet, and pickles are refused.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)
-            image = np.load(path, mmap_mode="r", allow_pickle=False)
-    except (*_DAMAGED, zipfile.BadZipFile) as cause:
+            image = np.lib.format.open_memmap(path, mode="r")
+    except (*_DAMAGED, tokenize.TokenError) as cause:
         raise SceneError(f"the file {quoted(path.name)} is no sound NPY: {cause}") from cause
-    if not isinstance(image, np.memmap):
-        raise SceneError(f"the file {quoted(path.name)} is no NPY: give one array")
     _check_size(path, image.shape[::-1], size)
     return image

@@ -25,6 +25,9 @@ THINNEST: Final = 0.06
 WINDOW: Final = (2, 6)
 """The least and the greatest radius of a window, pixels: smaller things need smaller ones."""
 
+SLOPE: Final = 1.5
+"""Window radii that a layer reaches along ground as steep as most of the thing."""
+
 SUPPORT: Final = 0.25
 """Share of the mask around a pixel that must be about as deep as the pixel."""
 
@@ -95,7 +98,10 @@ def smooth(depth: Array, mask: Mask, noise: float) -> Smoothed:
         Standard deviation of the depths, metres.
     """
     radius = int(np.clip(np.sqrt(np.count_nonzero(mask)) / 6.0, *WINDOW))
-    reach = max(LAYER * noise, THINNEST)
+    step = _step(depth, mask, noise)
+    reach = max(LAYER * noise, THINNEST, SLOPE * radius * step)
+    # Where two faces meet no plane fits better than to half a pixel's step.
+    rough = max(noise, CURVED, 0.5 * step)
     value = depth[mask]
     low, high = float(value.min()), float(value.max())
     if high - low <= 2.0 * reach:
@@ -118,7 +124,15 @@ def smooth(depth: Array, mask: Mask, noise: float) -> Smoothed:
         )
         near = mask[part] & (np.abs(depth[part] - middle) <= reach)
         _fit_layer(
-            depth[part], near, sure[part], own[part], crowd[part], noise, radius, fitted[part], error[part]
+            depth[part],
+            near,
+            sure[part],
+            own[part],
+            crowd[part],
+            (noise, rough),
+            radius,
+            fitted[part],
+            error[part],
         )
     good = mask & np.isfinite(fitted)
     v, u = np.nonzero(good)
@@ -129,6 +143,19 @@ def smooth(depth: Array, mask: Mask, noise: float) -> Smoothed:
         error[good],
         int(np.count_nonzero(mask) - len(u)),
     )
+
+
+def _step(depth: Array, mask: Mask, noise: float) -> float:
+    """Return by how much depth changes from one pixel to the next where it changes much, without noise."""
+    steps = [0.0]
+    for a, b, both in (
+        (depth[1:], depth[:-1], mask[1:] & mask[:-1]),
+        (depth[:, 1:], depth[:, :-1], mask[:, 1:] & mask[:, :-1]),
+    ):
+        if both.any():
+            # Three quarters of the differences of two noises are below this.
+            steps.append(float(np.quantile(np.abs(a - b)[both], 0.75)) - 1.63 * noise)
+    return max(steps)
 
 
 def _inner(mask: Mask) -> Mask:
@@ -144,16 +171,17 @@ def _fit_layer(
     sure: Mask,
     own: Mask,
     crowd: Array,
-    noise: float,
+    noises: tuple[float, float],
     radius: int,
     fitted: Array,
     error: Array,
 ) -> None:
     """Write the fits of a layer's own pixels into the last two arrays; leave out what is not supported.
 
-    Pixels of the border have no part in a fit where there are enough others, but a depth from it.
+    Pixels of the border have a part in a fit only where they agree with one without them. The noises are
+    that of the depths, and that with what a plane cannot follow.
     """
-    floor = max(noise, CURVED)
+    noise, floor = noises
     support = _window_sums(near.astype(np.float64), radius)
     inner = near & sure
     fit, spread, count = _plane_fit(depth, inner, radius)
