@@ -372,6 +372,38 @@ def test_too_much_is_refused(tmp_path: Path) -> None:
         thinned(open_cloud(path))
 
 
+# In which views a thing was seen
+
+
+def test_what_was_seen_where_survives_files(tmp_path: Path) -> None:
+    data = {
+        "deixis": 1,
+        "id": "room",
+        "objects": [
+            {"id": "cup", "box": {"center": [0, 0, 1], "size": [0.1, 0.1, 0.1]}, "seen_in": ["b", "a", "b"]},
+            {"id": "jar", "box": {"center": [1, 0, 1], "size": [0.1, 0.1, 0.1]}},
+        ],
+        "views": [{"id": "a", "position": [0, 3, 0]}, {"id": "b", "position": [0, -3, 0]}],
+    }
+    scene = Scene.from_dict(data)
+    assert [thing.seen_in for thing in scene.objects] == [("b", "a"), ()]
+    scene.save(tmp_path / "room.json")
+    assert [one.seen_in for one in Scene.load(tmp_path / "room.json").objects] == [("b", "a"), ()]
+    for kind in ("trig", "ttl", "jsonld"):
+        assert call("export", str(tmp_path / "room.json"), "-o", str(tmp_path / f"room.{kind}")).code == 0
+        assert (
+            call("import", "rdf", str(tmp_path / f"room.{kind}"), "-o", str(tmp_path / "back.json")).code == 0
+        )
+        assert [one.seen_in for one in Scene.load(tmp_path / "back.json").objects] == [("a", "b"), ()]
+
+
+def test_a_thing_is_seen_in_views_there_are() -> None:
+    box = {"center": [0, 0, 1], "size": [0.1, 0.1, 0.1]}
+    data = {"deixis": 1, "id": "room", "objects": [{"id": "cup", "box": box, "seen_in": ["a"]}]}
+    with pytest.raises(SceneError, match="object 'cup': seen_in names 'a', no view: add it"):
+        Scene.from_dict(data)
+
+
 # The command
 
 

@@ -37,6 +37,12 @@ PROMISED = {
         "counterexample: False",
         "extinguisher2 is left of radiator",
     ],
+    "04_from_depth_to_map": [
+        "bread board  3 x 25 x 36 cm, seen in 2 views",
+        "toaster is on top of the table",
+        "stool is on top of the floor",
+        "the stool is right_of the table",
+    ],
 }
 """What each notebook prints, among other things."""
 

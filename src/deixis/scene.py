@@ -235,10 +235,9 @@ class Scene:
         views = tuple(_view(part) for part in parts.views)
         known = {view.id for view in views}
         for thing in objects:
-            lost = next((view for view in thing.seen_in if view not in known), None)
-            if lost is not None:
+            if lost := [view for view in thing.seen_in if view not in known]:
                 raise SceneError(
-                    f"object {quoted(thing.id)}: it was seen in {quoted(lost)}, which is no view: add it"
+                    f"object {quoted(thing.id)}: seen_in names {quoted(lost[0])}, no view: add it"
                 )
         scene = cls(parts.id, objects, views, limits, strays=parts.strays)
         object.__setattr__(scene, "diagnostics", (*diagnostics, *_oddities(scene)))

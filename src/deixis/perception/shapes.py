@@ -203,7 +203,7 @@ def along_sides(points: Array, yaw: float) -> float | None:
     along = plan[:, :1] * cos + plan[:, 1:] * sin
     across = plan[:, 1:] * cos - plan[:, :1] * sin
     gaps = np.full(along.shape, np.inf)
-    smallest, area = np.inf, 1.0
+    smallest, area = np.full(len(angle), np.inf), np.ones(len(angle))
     for one in (along, across):
         low, high = np.quantile(one, [0.01, 0.99], axis=0)
         gaps = np.minimum(gaps, np.minimum(np.abs(one - low), np.abs(high - one)))
