@@ -118,6 +118,7 @@ PROPERTIES = {
     "ofScene": ("The scene that this belongs to.", None, ":Scene"),
     "region": ("What a thing was seen to fill.", ":SpatialObject", ":Region"),
     "minBoundBox": ("A thing's minimum bounding box.", ":SpatialObject", ":MinBoundBox"),
+    "seenIn": ("A view that a thing was seen in.", ":SpatialObject", ":View"),
     "recognised": ("What a thing was recognised as.", ":SpatialObject", ":Recognition"),
     "thresholds": ("What a scene is read with.", ":Scene", ":Thresholds"),
     "withholds": ("What a view says nothing of.", ":View", ":Withheld"),

@@ -50,6 +50,12 @@ PROMISED = {
         "uncertain on_top_of(sweater, heater), 2.0 cm to spare",
         "sure      left_of(extinguisher2, radiator), 8.4 cm to spare",
     ],
+    "04_from_depth_to_map": [
+        "bread board  3 x 25 x 36 cm, seen in 2 views",
+        "toaster is on top of the table",
+        "stool is on top of the floor",
+        "the stool is right_of the table",
+    ],
 }
 """What each notebook prints, among other things."""
 

@@ -7,7 +7,7 @@ declared counts are compared with the size of the file first, and with what was 
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from io import BytesIO
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any, Final
@@ -42,8 +42,17 @@ _LOADER_ERRORS: Final = (
 )  # fmt: skip
 
 
-def locate(name: str, folder: Path | None) -> Path:
+def locate(name: str, folder: Path | None, kinds: Collection[str] = (), what: str = "scene") -> Path:
     """Return the path of a file named in a scene: relative, and inside the scene's folder.
+
+    Parameters
+    ----------
+    name : str
+    folder : Path or None
+    kinds : collection of str
+        Extensions that are read; without any, those of point and mesh files.
+    what : str
+        What the file is named in.
 
     Raises
     ------
@@ -51,20 +60,21 @@ def locate(name: str, folder: Path | None) -> Path:
         The name is absolute, a URL, leaves the folder, or has an extension that is not read.
     """
     if folder is None:
-        raise SceneError(f"the file {quoted(name)} has no folder to be in: give base, or load a scene file")
+        raise SceneError(f"the file {quoted(name)} has no folder to be in: give base, or load a {what} file")
     posix, windows = PurePosixPath(name), PureWindowsPath(name)
     foreign = "://" in name or "\\" in name or "\0" in name or windows.drive
     if foreign or posix.is_absolute() or ".." in posix.parts:
-        raise SceneError(f"the file {quoted(name)} is not a path inside the scene's folder: put it there")
-    if posix.suffix.lower() not in _CHECKS:
-        raise SceneError(f"the file {quoted(name)} is of no kind that is read: use {', '.join(_CHECKS)}")
+        raise SceneError(f"the file {quoted(name)} is not a path inside the {what}'s folder: put it there")
+    kinds = kinds or _CHECKS
+    if posix.suffix.lower() not in kinds:
+        raise SceneError(f"the file {quoted(name)} is of no kind that is read: use {', '.join(kinds)}")
     try:
         root = folder.resolve()
         path = (root / posix).resolve()
     except (OSError, RuntimeError) as cause:
         raise SceneError(f"the file {quoted(name)} cannot be found: check its links") from cause
     if not path.is_relative_to(root):
-        raise SceneError(f"the file {quoted(name)} links out of the scene's folder: put it there")
+        raise SceneError(f"the file {quoted(name)} links out of the {what}'s folder: put it there")
     return path
 
 

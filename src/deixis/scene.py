@@ -154,6 +154,11 @@ class Scene:
             raise SceneError(f"scene {quoted(parts.id)}: {cause}") from cause
         objects = tuple(object_of(part, base) for part in parts.objects)
         views = tuple(view_of(part) for part in parts.views)
+        known = {view.id for view in views}
+        for thing in objects:
+            lost = next((view for view in thing.seen_in if view not in known), None)
+            if lost is not None:
+                raise SceneError(f"object {quoted(thing.id)}: seen_in names {quoted(lost)}, no view: add it")
         scene = cls(parts.id, objects, views, limits, strays=parts.strays)
         object.__setattr__(scene, "diagnostics", (*diagnostics, *_oddities(scene)))
         return scene

@@ -48,7 +48,7 @@ def _plain(name: str) -> str:
     return name
 
 
-def _listed(value: Any) -> Any:
+def listed(value: Any) -> Any:
     """Let tuples and arrays stand for lists, as Python callers expect; everything else stays as it is."""
     if isinstance(value, np.ndarray):
         return value.tolist()
@@ -59,35 +59,37 @@ def _inline_or_file(value: Any) -> str:
     return "file" if isinstance(value, str) else "inline"
 
 
-class _Part(BaseModel):
+class Part(BaseModel):
+    """What a file is made of: known keys with values of their own kind, and nothing else."""
+
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
 
 
 Name = Annotated[str, Field(min_length=1, max_length=256), AfterValidator(_plain)]
 Coordinate = Annotated[float, Field(ge=-MAX_COORDINATE, le=MAX_COORDINATE)]
 Extent = Annotated[float, Field(ge=0.0, le=MAX_COORDINATE)]
-Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3), BeforeValidator(_listed)]
-Size = Annotated[list[Extent], Field(min_length=3, max_length=3), BeforeValidator(_listed)]
-Points = Annotated[list[Point], Field(min_length=1, fail_fast=True), BeforeValidator(_listed)]
+Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3), BeforeValidator(listed)]
+Size = Annotated[list[Extent], Field(min_length=3, max_length=3), BeforeValidator(listed)]
+Points = Annotated[list[Point], Field(min_length=1, fail_fast=True), BeforeValidator(listed)]
 Index = Annotated[int, Field(ge=0)]
-Face = Annotated[list[Index], Field(min_length=3, max_length=3), BeforeValidator(_listed)]
-Faces = Annotated[list[Face], Field(min_length=1, fail_fast=True), BeforeValidator(_listed)]
+Face = Annotated[list[Index], Field(min_length=3, max_length=3), BeforeValidator(listed)]
+Faces = Annotated[list[Face], Field(min_length=1, fail_fast=True), BeforeValidator(listed)]
 FileName = Annotated[str, Field(min_length=1, max_length=1024)]
 
 
-def _optional(description: str, **limits: Any) -> Any:
+def optional(description: str, **limits: Any) -> Any:
     """Return a field that may be left out but, unlike a nullable one, may not be null."""
     return Field(default=None, description=description, **limits)
 
 
-class LabelPart(_Part):
+class LabelPart(Part):
     """One of an object's ranked names."""
 
     name: Name = Field(description="What the thing is called, in lower case, such as 'fire extinguisher'.")
     score: float = Field(ge=0.0, le=1.0, description="How sure the recogniser is, from 0 to 1.")
 
 
-class BoxPart(_Part):
+class BoxPart(Part):
     """A box with a level base."""
 
     center: Point = Field(description="Centre, metres, world frame.")
@@ -98,7 +100,7 @@ class BoxPart(_Part):
     )
 
 
-class MeshPart(_Part):
+class MeshPart(Part):
     """A triangle mesh written out."""
 
     vertices: Points = Field(description="Vertices, metres, world frame.")
@@ -113,7 +115,7 @@ MeshOrFile = Annotated[
 ]
 
 
-class ObjectPart(_Part):
+class ObjectPart(Part):
     """A thing or a surface, with what it is and where it is."""
 
     model_config = ConfigDict(
@@ -130,19 +132,23 @@ class ObjectPart(_Part):
         default="object",
         description="A surface is a wall, floor or ceiling: always a reference, without thickness.",
     )
-    label: Name = _optional("What the thing is, when there is one sure name.")
-    labels: Annotated[list[LabelPart], Field(min_length=1, max_length=MAX_LABELS)] = _optional(
+    label: Name = optional("What the thing is, when there is one sure name.")
+    labels: Annotated[list[LabelPart], Field(min_length=1, max_length=MAX_LABELS)] = optional(
         "Ranked names with scores, instead of 'label'."
     )
-    box: BoxPart = _optional("The region as a box.")
-    points: PointsOrFile = _optional(
+    box: BoxPart = optional("The region as a box.")
+    points: PointsOrFile = optional(
         "The region as points, or the path of a .ply, .obj, .stl, .glb or .off file in the scene's folder; "
         "coordinates are taken as they are, in the world frame. Points sample all of an object, a few "
         "centimetres apart: see 'strays'."
     )
-    mesh: MeshOrFile = _optional("The region as a triangle mesh, or the path of a file as for 'points'.")
-    polygon: Annotated[list[Point], Field(min_length=3, fail_fast=True), BeforeValidator(_listed)] = (
-        _optional("A surface's corners in order, metres, world frame.")
+    mesh: MeshOrFile = optional("The region as a triangle mesh, or the path of a file as for 'points'.")
+    polygon: Annotated[list[Point], Field(min_length=3, fail_fast=True), BeforeValidator(listed)] = optional(
+        "A surface's corners in order, metres, world frame."
+    )
+
+    seen_in: Annotated[list[Name], Field(min_length=1), BeforeValidator(listed)] = optional(
+        "The views it was seen in, by their ids, where that is known."
     )
 
     @model_validator(mode="after")
@@ -158,33 +164,33 @@ class ObjectPart(_Part):
         return self
 
 
-class ViewPart(_Part):
+class ViewPart(Part):
     """A place the scene is seen from: the robot's, or anyone's."""
 
     id: Name = Field(description="Unique among the views; 'world' is taken by the cardinal directions.")
-    label: Name = _optional("Who looks, such as 'robot' or 'you'.")
+    label: Name = optional("Who looks, such as 'robot' or 'you'.")
     position: Point = Field(description="Metres, world frame.")
     heading: Coordinate = Field(
         default=0.0,
         description="Radians, counter-clockwise from the world's X axis; no relation depends on it.",
     )
-    stamp: float = _optional("Seconds since the epoch of the recording.")
+    stamp: float = optional("Seconds since the epoch of the recording.")
 
 
-class ThresholdsPart(_Part):
+class ThresholdsPart(Part):
     """Thresholds that differ from the defaults."""
 
-    granularity: Coordinate = _optional("D, metres: no region is thinner, and a gap up to D is contact.")
-    penetration: Coordinate = _optional("P, metres: an overlap up to P deep is still contact.")
-    closeness: Coordinate = _optional("T, metres: at most this distance is near.")
-    halfspace_scale: Coordinate = _optional("s: a halfspace is s times the reference's full extent deep.")
-    pose_noise: Coordinate = _optional("Metres: an answer with a smaller margin is marked uncertain.")
-    piece_gap: Coordinate = _optional(
+    granularity: Coordinate = optional("D, metres: no region is thinner, and a gap up to D is contact.")
+    penetration: Coordinate = optional("P, metres: an overlap up to P deep is still contact.")
+    closeness: Coordinate = optional("T, metres: at most this distance is near.")
+    halfspace_scale: Coordinate = optional("s: a halfspace is s times the reference's full extent deep.")
+    pose_noise: Coordinate = optional("Metres: an answer with a smaller margin is marked uncertain.")
+    piece_gap: Coordinate = optional(
         "Metres: points further apart than this are in one piece only by way of others between them."
     )
 
 
-class ScenePart(_Part):
+class ScenePart(Part):
     """Things, surfaces and viewpoints of one place, in metres, in a right-handed world frame with Z up."""
 
     model_config = ConfigDict(title="Deixis scene")
@@ -211,15 +217,15 @@ def scene_schema() -> dict[str, Any]:
     """
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "$id": SCHEMA_ID}
     schema = ScenePart.model_json_schema()
-    _tidy(schema)
+    tidy(schema)
     return {**head, **schema}
 
 
-def _tidy(schema: Any) -> None:
+def tidy(schema: Any) -> None:
     """Drop what the generator adds and the format does not mean: null defaults and derived titles."""
     if isinstance(schema, list):
         for part in schema:
-            _tidy(part)
+            tidy(part)
     elif isinstance(schema, dict):
         if "default" in schema and schema["default"] is None:
             del schema["default"]
@@ -227,7 +233,7 @@ def _tidy(schema: Any) -> None:
             if name == "properties":
                 for field in part.values():
                     field.pop("title", None)
-            _tidy(part)
+            tidy(part)
 
 
 def parse_scene(data: object) -> ScenePart:
@@ -252,7 +258,7 @@ def parse_scene(data: object) -> ScenePart:
         raise SceneError(_sentence(problems[0], data) + more) from None
 
 
-_MODELS: Final[dict[str, type[_Part]]] = {
+_MODELS: Final[dict[str, type[Part]]] = {
     "": ScenePart,
     "objects": ObjectPart,
     "views": ViewPart,
@@ -320,8 +326,7 @@ def _sentence(problem: Any, data: dict[str, Any]) -> str:
 def _owner(place: list[str | int], data: dict[str, Any]) -> tuple[str, list[str | int]]:
     """Return what a place in the file belongs to, in words, and the rest of the place within it."""
     if len(place) >= 2 and place[0] in ("objects", "views") and isinstance(place[1], int):
-        listed = _listed(data[place[0]])
-        item = listed[place[1]]
+        item = listed(data[place[0]])[place[1]]
         name = item.get("id") if isinstance(item, dict) else None
         noun = str(place[0])[:-1]
         return f"{noun} {quoted(name)}" if isinstance(name, str) else f"{noun} number {place[1] + 1}", place[

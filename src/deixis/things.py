@@ -46,16 +46,20 @@ class SpatialObject:
     kind : "object" or "surface"
         A surface is a wall, floor or ceiling: always a reference, never a figure.
     region : Region
+    seen_in : tuple of str
+        Ids of the views it was seen in, each once; empty where that is not known.
     """
 
     id: str
     labels: tuple[Label, ...]
     kind: Kind
     region: Region
+    seen_in: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         ranked = tuple(sorted(self.labels, key=lambda label: -label.score))
         object.__setattr__(self, "labels", ranked)
+        object.__setattr__(self, "seen_in", tuple(dict.fromkeys(self.seen_in)))
 
     @property
     def label(self) -> str:
@@ -108,7 +112,8 @@ def object_of(part: ObjectPart, base: Path | None) -> SpatialObject:
         region = _region(part, given, base)
     except SceneError as cause:
         raise SceneError(f"object {quoted(part.id)}: {cause}") from cause
-    return SpatialObject(part.id, labels, part.kind, region)
+    seen_in = tuple(part.seen_in) if "seen_in" in given else ()
+    return SpatialObject(part.id, labels, part.kind, region, seen_in)
 
 
 def _region(part: ObjectPart, given: set[str], base: Path | None) -> Region:
@@ -144,7 +149,8 @@ def object_values(thing: SpatialObject) -> dict[str, Any]:
         values["label"] = thing.label
     elif thing.labels:
         values["labels"] = [{"name": label.name, "score": label.score} for label in thing.labels]
-    return values | region_values(thing.region)
+    values |= region_values(thing.region)
+    return {**values, "seen_in": list(thing.seen_in)} if thing.seen_in else values
 
 
 def view_values(view: View) -> dict[str, Any]:

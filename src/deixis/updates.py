@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from deixis.counterfactual import moved
@@ -69,6 +69,10 @@ class Update:
         if unknown is not None:
             raise SceneError(f"an update has no key {quoted(unknown)}: known are {', '.join(_KEYS)}")
         told: dict[str, Any] = {key: data[key] for key in ("objects", "views") if key in data}
+        views = Scene.from_dict({"deixis": 1, "id": scene.id, "views": told.get("views", [])}).views
+        # An object may have been seen in any view, the new ones and those there were.
+        seen = [*views, *(view for view in scene.views if view.id not in {one.id for one in views})]
+        told["views"] = replace(scene, objects=(), views=tuple(seen)).to_dict()["views"]
         shown = Scene.from_dict({"deixis": 1, "id": scene.id, **told})
         moves = data.get("moves", {})
         if not isinstance(moves, Mapping):
@@ -80,7 +84,7 @@ class Update:
         return cls(
             (*shown.objects, *(shifted.objects[scene.index(name)] for name in moves)),
             _ids(data, "removed"),
-            shown.views,
+            views,
             _ids(data, "removed_views"),
             None if stamp is None else float(stamp),
         )

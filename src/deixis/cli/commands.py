@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deixis import __version__
+from deixis.cli import perceive as perceive_command
 from deixis.cli import rules as rules_commands
 from deixis.cli import serve as serve_command
 from deixis.cli.measuring import Grounding, GroundingOption, measured
@@ -40,6 +41,7 @@ app = typer.Typer(
 
 app.add_typer(rules_commands.app, name="rules")
 app.command()(serve_command.serve)
+app.command()(perceive_command.perceive)
 
 
 class Region(StrEnum):
@@ -318,12 +320,24 @@ def import_(
     print(f"{target}: {len(scene.objects)} objects, {len(scene.views)} views", file=sys.stderr)
 
 
+class SchemaName(StrEnum):
+    """Formats that have a schema."""
+
+    SCENE = "scene"
+    FRAME = "frame"
+
+
 @app.command()
-def schema() -> None:
-    """Print the JSON Schema of scene files."""
+def schema(
+    name: Annotated[SchemaName, typer.Argument(metavar="[scene|frame]", help="Of which files.")] = (
+        SchemaName.SCENE
+    ),
+) -> None:
+    """Print the JSON Schema of scene files, or of the frame files that `perceive` reads."""
+    from deixis.perception.frame_format import frame_schema
     from deixis.scene import scene_schema
 
-    write_json(scene_schema())
+    write_json(frame_schema() if name is SchemaName.FRAME else scene_schema())
 
 
 @app.command()

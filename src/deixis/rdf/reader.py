@@ -133,12 +133,13 @@ class _Statements:
 
 
 def _scene(said: _Statements, node: str) -> Scene:
+    views = said.of_scene(node, "View")
     data: dict[str, Any] = {
         "deixis": 1,
         "id": said.text(node, IDENTIFIER),
         "strays": said.maybe(node, TERM + "strays") or "drop",
-        "objects": [_object(said, thing) for thing in said.of_scene(node, "SpatialObject")],
-        "views": [_view(said, view) for view in said.of_scene(node, "View")],
+        "objects": [_object(said, thing, views) for thing in said.of_scene(node, "SpatialObject")],
+        "views": [_view(said, view) for view in views],
     }
     limits = said.maybe(node, TERM + "thresholds")
     if limits is not None:
@@ -149,7 +150,7 @@ def _scene(said: _Statements, node: str) -> Scene:
     return Scene.from_dict(data)
 
 
-def _object(said: _Statements, node: str) -> dict[str, Any]:
+def _object(said: _Statements, node: str, views: list[str]) -> dict[str, Any]:
     values: dict[str, Any] = {"id": said.text(node, IDENTIFIER)}
     if TERM + "Surface" in said.all(node, RDF + "type"):
         values["kind"] = "surface"
@@ -159,6 +160,11 @@ def _object(said: _Statements, node: str) -> dict[str, Any]:
     ]
     if labels:
         values["labels"] = labels
+    seen = set(said.all(node, TERM + "seenIn"))
+    if seen:
+        # In the order of the views; what is no view of this scene is refused by the scene itself.
+        known = [view for view in views if view in seen]
+        values["seen_in"] = [said.text(view, IDENTIFIER) for view in (*known, *sorted(seen - set(known)))]
     return values | _region(said, said.text(node, TERM + "region"))
 
 

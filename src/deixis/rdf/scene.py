@@ -35,6 +35,8 @@ def write_things(
         to.whole(iri, TERM + "ordinal", position)
         to.text(iri, TERM + "measuredAs", measured_as[thing.id])
         _labels(to, iri, thing)
+        for view in thing.seen_in:
+            to.link(iri, TERM + "seenIn", names.view(view))
         region = f"{iri}:region"
         to.link(iri, TERM + "region", region)
         _region(to, region, thing.region)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -93,15 +93,16 @@ def scene_of(told: Row, things: Iterable[Row], views: Iterable[Row]) -> Scene:
         Id, label, x, y, z, heading, stamp.
     """
     name, thresholds, strays = told
-    objects = [
-        {"id": thing, "kind": kind, **_labelled(json.loads(labels)), **json.loads(region)}
-        for thing, kind, labels, region in things
-    ]
     seen = [
         {"id": view, "position": [x, y, z], "heading": heading}
         | ({"label": label} if label else {})
         | ({} if stamp is None else {"stamp": stamp})
         for view, label, x, y, z, heading, stamp in views
+    ]
+    known = {view["id"] for view in seen}
+    objects = [
+        {"id": thing, "kind": kind, **_labelled(json.loads(labels)), **_seen_from(json.loads(region), known)}
+        for thing, kind, labels, region in things
     ]
     return Scene.from_dict(
         {
@@ -118,6 +119,12 @@ def scene_of(told: Row, things: Iterable[Row], views: Iterable[Row]) -> Scene:
 def same_thresholds(told: Row, scene: Scene) -> bool:
     """Return whether a scene is read with a map's thresholds, or has none of its own to insist on."""
     return scene.thresholds == Thresholds() or map_row(scene)[1:] == told[1:]
+
+
+def _seen_from(values: dict[str, Any], known: Collection[str]) -> dict[str, Any]:
+    """Leave out the views that are not those of the scene: of earlier frames, which have them still."""
+    views = [view for view in values.pop("seen_in", ()) if view in known]
+    return {**values, "seen_in": views} if views else values
 
 
 def _labelled(labels: list[dict[str, Any]]) -> dict[str, Any]:
