@@ -22,7 +22,7 @@ FLAGS = [
     "--disable-gpu-rasterization",
     "--disable-accelerated-2d-canvas",
 ]
-"""WebGL in software, and the rest drawn without it, as where there is no graphics card: four times as fast."""
+"""WebGL in software, the rest drawn without it, as where there is no graphics card: four times as fast."""
 
 needs_browser = [
     pytest.mark.skipif(not available(), reason="the page is not built: make page"),
