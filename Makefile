@@ -3,8 +3,10 @@ BIN := .venv/bin
 SCENE ?= kb/scenes/hans.json
 WORKERS ?= 2
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist loadfile
+# What `make setup` brings: every command works with it, and nothing takes long to install.
+EXTRAS := --extra mesh --extra rdf --extra server
 LOCK := UV_CUSTOM_COMPILE_COMMAND="make lock" uv pip compile --quiet --universal --python-version 3.11 \
-	--generate-hashes --fork-strategy fewest --all-extras pyproject.toml
+	--generate-hashes --fork-strategy fewest pyproject.toml
 
 .PHONY: help setup demo shell doctor test test-long bench check lint rules page pictures wheel lock clean
 
@@ -53,8 +55,8 @@ wheel: .venv/.dev page ## dist/: the source archive and the wheel
 	$(BIN)/python -m build --no-isolation
 
 lock: ## pin the requirements anew (needs uv)
-	$(LOCK) --group build --output-file requirements.txt
-	$(LOCK) --group dev --constraint requirements.txt --output-file requirements-dev.txt
+	$(LOCK) $(EXTRAS) --group build --output-file requirements.txt
+	$(LOCK) --all-extras --group dev --constraint requirements.txt --output-file requirements-dev.txt
 
 clean: ## remove all that make made, .venv included
 	rm -rf .venv build dist src/deixis/*/page/vendor .hypothesis .mypy_cache .pytest_cache .ruff_cache

@@ -3,7 +3,8 @@
 # Brings a machine that has only Python 3.11+ to where Deixis runs: SWI-Prolog, .venv, the pinned
 # REQUIREMENTS, and this checkout installed in it. Does nothing that is done already. PYTHON chooses the interpreter.
 # With POSTGIS=install also PostgreSQL with PostGIS, which some tests compare with and skip without; with
-# JAVA=install also a Java runtime, for those that ask an OWL reasoner.
+# JAVA=install also a Java runtime, for those that ask an OWL reasoner; with BROWSER=install also Chromium, for
+# those of the query page.
 set -eu
 requirements=$1
 python=.venv/bin/python
@@ -71,7 +72,8 @@ pip_install() {
     if command -v uv >/dev/null 2>&1; then
         uv pip install --quiet --python "$python" "$@"
     else
-        "$python" -m pip --quiet --quiet --disable-pip-version-check install "$@"
+        # Python compiles what is imported when it is; compiling all that is installed takes longer than installing.
+        "$python" -m pip --quiet --quiet --disable-pip-version-check install --no-compile "$@"
     fi
 }
 
@@ -100,6 +102,9 @@ if [ "${POSTGIS:-}" = install ] && ! ls /usr/share/postgresql/*/extension/postgi
 fi
 if [ "${JAVA:-}" = install ] && ! command -v java >/dev/null 2>&1; then
     apt_install default-jre-headless || say "Java: $apt_said. The tests that ask an OWL reasoner are skipped."
+fi
+if [ "${BROWSER:-}" = install ] && ! command -v chromium >/dev/null 2>&1 && ! command -v chromium-browser >/dev/null 2>&1; then
+    apt_install chromium || say "Chromium: $apt_said. The tests of the query page in a browser are skipped."
 fi
 supported "$python" || make_venv
 say "Installing $requirements into .venv ..."

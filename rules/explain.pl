@@ -5,14 +5,20 @@
             nearest_miss/2,             % :Goal, -Node
             misses/2,                   % :Goal, -Nodes
             refusal/2,                  % :Goal, -Node
-            why/1                       % :Goal
+            all_proofs/4,               % :Goal, +Most, -Nodes, -More
+            opposed/3,                  % :Goal, :Other, -Text
+            why/1,                      % :Goal
+            contrast/2                  % :Goal, :Other
           ]).
-:- use_module(library(lists)).
+:- use_module(library(lists), [append/3, member/2, last/2]).
 :- use_module(library(apply)).
 :- use_module(library(aggregate)).
+:- use_module(library(solution_sequences)).
 :- use_module(facts).
-:- use_module(axioms).
+:- use_module(margins).
+:- use_module(outline).
 :- use_module(verbalise).
+:- use_module(words).
 
 /** <module> Why a relation holds: proofs with margins
 
@@ -32,7 +38,10 @@ Clause is a clause reference or `none`; Margin is a number, or `inf` where no le
     nearest_miss(0, -),
     misses(0, -),
     refusal(0, -),
-    why(0).
+    all_proofs(0, +, -, -),
+    opposed(0, 0, -),
+    why(0),
+    contrast(0, 0).
 
 %!  proof(:Goal, -Node) is nondet.
 %
@@ -48,6 +57,36 @@ proof(M:Goal, Node) :-
 best_proof(Goal, Node) :-
     findall(Goal-N, proof(Goal, N), [First|Rest]),
     foldl(better, Rest, First, Goal-Node).
+
+%!  all_proofs(:Goal, +Most, -Nodes:list, -More:boolean) is det.
+%
+%   Nodes are at most Most different proofs of Goal, the best of all first; More tells whether there are
+%   others.
+
+all_proofs(Goal, Most, Nodes, More) :-
+    Enough is Most + 1,
+    findall(N, limit(Enough, distinct(N, proof(Goal, N))), Found),
+    (   length(Found, Enough)
+    ->  More = true,
+        copy_term(Goal, Any),
+        best_proof(Any, Best),
+        exclude(=@=(Best), Found, Others),
+        Rest is Most - 1,
+        length(Kept, Rest),
+        append(Kept, _, Others),
+        predsort(sooner, Kept, Ordered),
+        Nodes = [Best|Ordered]
+    ;   More = false,
+        predsort(sooner, Found, Nodes)
+    ).
+
+%   The better first, none left out.
+
+sooner(Order, A, B) :-
+    (   better(a-A, b-B, a-_)
+    ->  Order = (<)
+    ;   Order = (>)
+    ).
 
 better(GoalA-A, GoalB-B, Best) :-
     size(A, SizeA),
@@ -78,8 +117,8 @@ nearest_miss(M:Goal, Node) :-
 
 %!  misses(:Goal, -Nodes:list) is det.
 %
-%   Nodes are the derivations that come closest to Goal, one for each rule that concludes it and whose facts
-%   are there, nearest first. A rule without a measured fact to go by has none.
+%   Nodes are the derivations that come closest to Goal, one for each rule that could conclude it, nearest
+%   first, and last those that more keeps from holding than a length.
 
 misses(M:Goal, Nodes) :-
     findall(Clause-Node, ( near_whole(Goal, M, Node), Node = node(_, _, _, Clause, _) ), Pairs),
@@ -91,7 +130,74 @@ misses(M:Goal, Nodes) :-
               foldl(closer, Rest, First, Best)
             ),
             Bests),
-    predsort(nearer, Bests, Nodes).
+    findall(Node, blocked(Goal, M, Clauses, Node), Others),
+    predsort(nearer, Bests, Measured),
+    append(Measured, Others, Nodes).
+
+%   blocked(+Goal, +Module, +Clauses, -Node): the derivation of Goal by a rule that is not among Clauses, since
+%   something other than a measured length keeps it from holding: a label, the order of figure and reference,
+%   a number that is no length. As many of its first goals as can be derived are; then each that cannot fails.
+
+blocked(Goal, M, Clauses, node(rule, Goal, minus_inf, Clause, Children)) :-
+    step(Goal, M, rule(Def)),
+    clause(Def:Goal, Body, Clause),
+    \+ memberchk(Clause, Clauses),
+    phrase(goals(Body), Goals),
+    begun(Goals, Goal, Def, Done, Rest),
+    foldl(part(Def, Goal), Rest, More, []),
+    append(Done, More, Children).
+
+goals(true) --> !.
+goals((A, B)) --> !, goals(A), goals(B).
+goals(Goal) --> [Goal].
+
+%   begun(+Goals, +Above, +Module, -Done, -Rest): Done derives as many of the first Goals as can be, in the way
+%   that comes closest to holding; of the rest the first cannot be derived after them.
+
+begun(Goals, Above, M, Done, Rest) :-
+    length(Goals, All),
+    between(1, All, Left),
+    length(Rest, Left),
+    append(First, Rest, Goals),
+    closest(Goals-Above, derive_list(First, M, Above), Done),
+    !.
+
+derive_list([], _, _, []).
+derive_list([Goal|Goals], M, Above, [Node|Nodes]) :-
+    derive(nears, Goal, M, [Above], Node),
+    derive_list(Goals, M, Above, Nodes).
+
+%   closest(+Bound, :Goal, -Nodes): of the first ways in which Goal derives Nodes, binding what is Bound, that
+%   with the widest margin.
+
+closest(Bound, Goal, Nodes) :-
+    most_ways(Most),
+    findall(Margin-way(Bound, Ways), limit(Most, ( call(Goal, Ways), weakest(Ways, Margin) )), [First|Rest]),
+    foldl(wider, Rest, First, _-way(Bound, Nodes)).
+
+wider(A-X, B-Y, C) :-
+    (   less(B, A)
+    ->  C = A-X
+    ;   C = B-Y
+    ).
+
+most_ways(1000).
+
+%   part(+Module, +Above, +Goal, ?Nodes, ?Tail): a goal after one that cannot be derived. What that one would
+%   have bound is open, so of comparisons and denials only those are told that do without.
+
+part(_, _, Goal, Nodes, Nodes) :-
+    \+ ground(Goal),
+    ( comparison(Goal) ; Goal = (\+ _) ),
+    !.
+part(M, Above, Goal, [Node|Nodes], Nodes) :-
+    closest(Goal, derive_list([Goal], M, Above), [Node]),
+    !.
+part(_, _, Goal, [node(Kind, Goal, minus_inf, none, [])|Nodes], Nodes) :-
+    (   comparison(Goal)
+    ->  Kind = comparison
+    ;   Kind = rule
+    ).
 
 nearer(Order, A, B) :-
     margin(A, MA),
@@ -190,17 +296,6 @@ step(Goal, M, Kind) :-
     ;   Kind = rule(Def)
     ).
 
-comparison(_ < _).
-comparison(_ =< _).
-comparison(_ > _).
-comparison(_ >= _).
-comparison(_ =:= _).
-comparison(_ =\= _).
-comparison(_ \== _).
-comparison(_ == _).
-comparison(_ = _).
-comparison(_ \= _).
-
 %   recall(+Goal, +Module, -Node): a base fact. Numbers that are not lengths come back marked, so that no
 %   comparison of theirs is taken for a margin in metres.
 
@@ -233,69 +328,46 @@ marked(threshold(halfspace_scale, S), threshold(halfspace_scale, no_length(S))) 
 marked(pair(A, B, D, S, P, V, F, U, W), pair(A, B, D, S, P, no_length(V), no_length(F), U, W)) :- !.
 marked(Goal, Goal).
 
-%   compares(+Comparison, -Plain, -Margin): Plain can be called; Margin is the length to spare, negative
-%   when the comparison fails, `inf` when no length is compared.
-
-compares(Goal, Goal, inf) :-
-    names(Goal),
-    !.
-compares(Goal, Plain, Margin) :-
-    Goal =.. [Op, A, B],
-    value(A, X, Length),
-    value(B, Y, Length),
-    Plain =.. [Op, X, Y],
-    (   Length == none
-    ->  Margin = inf
-    ;   spare(Op, X, Y, Margin)
-    ).
-
-names(_ \== _).
-names(_ == _).
-names(_ = _).
-names(_ \= _).
-
-spare(=<, X, Y, M) :- M is Y - X.
-spare(<, X, Y, M) :- M is Y - X.
-spare(>=, X, Y, M) :- M is X - Y.
-spare(>, X, Y, M) :- M is X - Y.
-spare(=:=, X, Y, M) :- M is -abs(X - Y).
-spare(=\=, X, Y, M) :- M is abs(X - Y).
-
-value(X, X, _) :- number(X), !.
-value(no_length(X), X, none) :- !.
-value(-A, X, L) :- !, value(A, Y, L), X is -Y.
-value(A + B, X, L) :- !, value(A, Y, L), value(B, Z, L), X is Y + Z.
-value(A - B, X, L) :- !, value(A, Y, L), value(B, Z, L), X is Y - Z.
-value(A * B, X, L) :- !, value(A, Y, L), value(B, Z, L), X is Y * Z.
-
-%   Margins: numbers, `inf`, `-inf` by way of negated/2.
-
-margin(node(_, _, Margin, _, _), Margin).
-
-negated(inf, minus_inf) :- !.
-negated(minus_inf, inf) :- !.
-negated(M, N) :- N is -M.
-
-less(minus_inf, B) :- !, B \== minus_inf.
-less(_, minus_inf) :- !, fail.
-less(inf, _) :- !, fail.
-less(_, inf) :- !.
-less(A, B) :- A < B.
-
-larger(A, B, C) :- ( less(A, B) -> C = B ; C = A ).
-
-weakest(Nodes, Margin) :-
-    foldl(weaker, Nodes, inf, Margin).
-
-weaker(Node, B, C) :-
-    margin(Node, A),
-    (   less(A, B)
-    ->  C = A
-    ;   C = B
-    ).
-
 size(node(_, _, _, _, Children), Size) :-
     foldl([Child, S0, S]>>( size(Child, S1), S is S0 + S1 ), Children, 1, Size).
+
+%!  opposed(:Goal, :Other, -Text:string) is det.
+%
+%   Text says why Goal holds rather than Other, in a sentence: that it does, and what keeps Other from it.
+
+opposed(Goal, M:Other, Text) :-
+    (   best_proof(Goal, Node)
+    ->  node_text(Node, Fact),
+        (   best_proof(M:Other, Holding)
+        ->  node_text(Holding, OtherText),
+            saying(both_hold, [Fact, OtherText], Text)
+        ;   denied_text(Other, Denied),
+            hindrances(M:Other, Reasons),
+            (   Reasons == []
+            ->  saying(but, [Fact, Denied], Text)
+            ;   joined(Reasons, Reason),
+                saying(but_because, [Fact, Denied, Reason], Text)
+            )
+        )
+    ;   strip_module(Goal, _, Plain),
+        denied_text(Plain, Fact),
+        saying(nothing_to_contrast, [Fact], Text)
+    ).
+
+%   hindrances(:Goal, -Texts): what keeps Goal from holding, by the rule that comes closest.
+
+hindrances(M:Goal, Texts) :-
+    (   hindrance(Goal, Text)
+    ->  Texts = [Text]
+    ;   misses(M:Goal, [Miss|_])
+    ->  obstacles(Miss, Texts)
+    ;   Texts = []
+    ).
+
+joined([Text], Text) :- !.
+joined([Text|Texts], Whole) :-
+    joined(Texts, Rest),
+    saying(both, [Text, Rest], Whole).
 
 %!  why(:Goal) is det.
 %
@@ -307,3 +379,11 @@ why(Goal) :-
     ;   refusal(Goal, Node),
         print_proof(Node)
     ).
+
+%!  contrast(:Goal, :Other) is det.
+%
+%   Print in a sentence why Goal holds rather than Other.
+
+contrast(Goal, Other) :-
+    opposed(Goal, Other, Text),
+    format("~s.~n", [Text]).

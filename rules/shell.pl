@@ -23,6 +23,7 @@ commands more:
   | help(on_top_of) | the axiom, what it says, and its rule                                  |
   | why(Goal)       | why it holds, or how far it is from holding                            |
   | why_not(Goal)   | the derivation that comes closest                                      |
+  | contrast(A, B)  | why A holds rather than B                                              |
   | view(v1)        | look from v1: left_of(X, Y) now means left_of(X, Y, v1); view(V) tells |
 
 A name that nothing has is answered with what may have been meant.
@@ -32,7 +33,7 @@ A name that nothing has is answered with what may have been meant.
 
 :- dynamic looking_from/1.
 
-:- multifile user:expand_query/4, user:violation/2, user:violation/3.
+:- multifile user:expand_query/4, user:violation/2, user:violation/3, user:says/3.
 :- dynamic user:expand_query/4.
 
 %   start: load the facts and the rule files given as arguments, and print what is there.
@@ -165,15 +166,17 @@ view(View) :-
 
 why_not(Goal) :-
     (   explain:best_proof(Goal, Node)
-    ->  write("It does hold: "),
-        explain:print_proof(Node)
+    ->  verbalise:node_text(Node, Text),
+        words:saying(it_holds, [Text], Said),
+        format("~s.~n", [Said])
     ;   explain:refusal(Goal, Node),
-        explain:print_proof(Node),
+        outline:print_proof(Node),
         strip_module(Goal, _, Plain),
         forall(verbalise:hindrance(Plain, Text), format("  ~s~n", [Text])),
         (   Node = node(_, _, _, _, [Miss])
-        ->  write("What comes closest:\n"),
-            explain:print_proof(Miss)
+        ->  words:saying(comes_closest, [], Said),
+            format("~s~n", [Said]),
+            outline:print_proof(Miss)
         ;   true
         )
     ).
@@ -251,6 +254,7 @@ control(findall(_, A, _), [A]).
 control(aggregate_all(_, A, _), [A]).
 control(why(A), [A]).
 control(why_not(A), [A]).
+control(contrast(A, B), [A, B]).
 
 stranger(Goal, Name) :-
     functor(Goal, Functor, Arity),

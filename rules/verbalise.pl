@@ -1,23 +1,31 @@
 :- module(verbalise,
           [ node_text/2,                % +Node, -Text
-            node_dict/2,                % +Node, -Dict
             hindrance/2,                % +Goal, -Text
             obstacles/2,                % +Node, -Texts
             denied_text/2,              % +Goal, -Text
-            print_proof/1,              % +Node
-            object_name/2,              % +Object, -Name
-            length_text/2               % +Metres, -Text
+            plain/2                     % +Marked, -Goal
           ]).
-:- use_module(library(lists)).
+:- use_module(library(lists), [member/2, nth1/3]).
 :- use_module(library(apply)).
 :- use_module(facts).
 :- use_module(axioms).
-:- use_module(lang/en).
+:- use_module(direction, []).
+:- use_module(amounts).
+:- use_module(naming).
+:- use_module(words).
 
 /** <module> Proofs in words
 
-Turns the nodes of explain.pl into sentences by the templates of a language, and into dicts for other
-renderers. Numbers are rounded for people in the sentences and exact in the dicts.
+Turns the nodes of explain.pl into sentences by templates: those of the language that is spoken, and those
+that a user's rule files give for their own predicates. Numbers are rounded for people.
+
+A rule file gives a template as a fact says(Predicate, Yes, No), where {1} stands for the first argument:
+
+```
+says(rests_on, '{1} rests on {2}', '{1} does not rest on {2}').
+```
+
+Of a violation/2 or violation/3, Predicate is the name of the rule and {1} is what comes after it.
 */
 
 %!  node_text(+Node, -Text:string) is det.
@@ -37,203 +45,269 @@ node_text(node(_, Goal, _, _, _), Text) :-
 
 %   goal_text(+Goal, +Polarity, -Text): by template, else as it stands.
 
-goal_text((A, B), Polarity, Text) :-
+goal_text(Goal, Polarity, Text) :-
+    template(Goal, Template),
+    ( Polarity == yes ; term_variables(Goal, []) ),
     !,
-    goal_text(A, Polarity, TextA),
-    goal_text(B, Polarity, TextB),
-    connective(and, And),
-    join([TextA, And, TextB], Text).
-goal_text(A \== B, Polarity, Text) :-
+    template_text(Template, Polarity, Text).
+goal_text(Goal, no, Text) :-
     !,
-    goal_text_items([the(A), is, 'other than', the(B)], Polarity, Text).
-goal_text(Marked, no, Text) :-
-    term_variables(Marked, [_|_]),
+    goal_text(Goal, yes, Core),
+    saying(not_so, [Core], Text).
+goal_text((A, B), yes, Text) :-
     !,
-    goal_text(Marked, yes, Core),
-    connective(no_way, Not),
-    join([Not, Core], Text).
-goal_text(Marked, Polarity, Text) :-
+    goal_text(A, yes, TextA),
+    goal_text(B, yes, TextB),
+    saying(both, [TextA, TextB], Text).
+goal_text(\+ Goal, yes, Text) :-
+    !,
+    goal_text(Goal, no, Text).
+goal_text(Marked, yes, Text) :-
     plain(Marked, Goal),
-    (   sentence(Goal, Template)
-    ->  goal_text_items(Template, Polarity, Text)
-    ;   format(string(Core), "~W", [Goal, [quoted(true), numbervars(true), max_depth(20)]]),
-        (   Polarity == yes
-        ->  Text = Core
-        ;   connective(no_way, Not),
-            join([Not, Core], Text)
-        )
+    format(string(Text), "~W", [Goal, [quoted(true), numbervars(true), max_depth(20)]]).
+
+%   template(+Goal, -Template): the user's own, or that of the language.
+
+template((_, _), _) :- !, fail.
+template(Goal, Template) :-
+    nonvar(Goal),
+    ( Goal = (A \== B) -> Sign = yes ; Goal = (A \= B) -> Sign = yes
+    ; Goal = (A == B) -> Sign = no ; Goal = (A = B), Sign = no
+    ),
+    !,
+    language(Words),
+    Words:differs(A, B, Yes),
+    Template = signed(Sign, Yes).
+template(Goal, own(Yes, No, Args)) :-
+    callable(Goal),
+    Goal =.. [Name|All],
+    (   Name == violation, All = [Rule|Rest], atom(Rule)
+    ->  Said = Rule,
+        Args = Rest
+    ;   Said = Name,
+        Args = All
+    ),
+    own_template(Goal, Said, Yes, No),
+    !.
+template(Marked, Template) :-
+    plain(Marked, Goal),
+    language(Words),
+    copy_term(Goal, Copy),
+    Words:sentence(Copy, Template),
+    Copy =@= Goal,                              % a template must not fill in what is open
+    Copy = Goal,
+    !.
+
+own_template(Goal, Name, Yes, No) :-
+    member(Loaded, [question, user]),
+    (   Module = Loaded
+    ;   predicate_property(Loaded:Goal, imported_from(Module))
+    ),
+    current_predicate(Module:says/3),
+    clause(Module:says(Name, Yes, No), true),
+    atom(Yes),
+    atom(No).
+
+template_text(signed(Sign, Template), Polarity, Text) :-
+    !,
+    (   Sign == Polarity
+    ->  template_text(Template, yes, Text)
+    ;   template_text(Template, no, Text)
+    ).
+template_text(own(Yes, No, Args), Polarity, Text) :-
+    !,
+    (   Polarity == yes
+    ->  Written = Yes
+    ;   Written = No
+    ),
+    split_string(Written, "{", "", [First|Parts]),
+    ( member(View, Args), nonvar(View), viewpoint(View) -> Said = View ; Said = unsaid ),
+    maplist(filled(Args, Said), Parts, Filled),
+    atomic_list_concat([First|Filled], Atom),
+    atom_string(Atom, Text).
+template_text(Template, Polarity, Text) :-
+    (   memberchk(view(View), Template), nonvar(View)
+    ->  Said = View
+    ;   Said = unsaid
+    ),
+    maplist(item_text(Polarity, Said), Template, Items),
+    exclude(==(''), Items, Shown),
+    atomic_list_concat(Shown, ' ', Atom),
+    atom_string(Atom, Text).
+
+%   filled(+Args, +Said, +Part, -Text): Part begins with the number of an argument and a bracket.
+
+filled(Args, Said, Part, Text) :-
+    (   sub_string(Part, Before, 1, After, "}"),
+        sub_string(Part, 0, Before, _, Digits),
+        number_string(N, Digits),
+        integer(N),
+        nth1(N, Args, Arg)
+    ->  sub_string(Part, _, After, 0, Rest),
+        argument_text(Arg, Said, Filler),
+        string_concat(Filler, Rest, Text)
+    ;   string_concat("{", Part, Text)
     ).
 
-goal_text_items(Template, Polarity, Text) :-
-    maplist(item_text(Polarity), Template, Words),
-    join(Words, Text).
+argument_text(X, _, Text) :- var(X), !, saying(something, [], Text).
+argument_text(no_length(N), _, Text) :- number(N), !, number_text(N, Text).
+argument_text(no_length(X), Said, Text) :- !, argument_text(X, Said, Text).
+argument_text(N, _, Text) :- number(N), !, length_text(N, Text).
+argument_text(X, Said, Text) :- atom(X), spatial_obj(X), !, the(X, Said, Text).
+argument_text(X, _, Text) :- atom(X), viewpoint(X), !, view_text(X, Text).
+argument_text(X, _, Text) :- format(string(Text), "~w", [X]).
 
-item_text(_, the(X), Text) :- !, the(X, Text).
-item_text(yes, is, "is") :- !.
-item_text(no, is, "is not") :- !.
-item_text(yes, v(Yes, _), Yes) :- !.
-item_text(no, v(_, No), No) :- !.
-item_text(_, metres(N), Text) :- !, length_text(N, Text).
-item_text(_, cubic_metres(N), Text) :- !, volume_text(N, Text).
-item_text(_, view(V), Text) :- !, view_text(V, Text).
-item_text(_, name(X), Text) :- !, ( var(X) -> Text = "something" ; Text = X ).
-item_text(_, Word, Word).
+item_text(_, Said, the(X), Text) :- !, the(X, Said, Text).
+item_text(yes, _, v(Yes, _), Yes) :- !.
+item_text(no, _, v(_, No), No) :- !.
+item_text(_, _, metres(N), Text) :- !, length_text(N, Text).
+item_text(_, _, cubic_metres(N), Text) :- !, volume_text(N, Text).
+item_text(_, _, number(N), Text) :- !, ( var(N) -> saying(something, [], Text) ; number_text(N, Text) ).
+item_text(_, _, view(V), Text) :- !, view_text(V, Text).
+item_text(_, _, name(X), Text) :- !, ( var(X) -> saying(something, [], Text) ; called(X, Text) ).
+item_text(_, _, Word, Word).
 
-the(X, "something") :- var(X), !.
-the(X, Text) :-
-    connective(the, The),
-    object_name(X, Name),
-    join([The, Name], Text).
+%   called(+Name, -Text): a kind or a material, marked as the language marks names in the midst of words.
 
-%!  object_name(+Object, -Name:string) is det.
-%
-%   Name is the best label of Object, with the id where another object bears the same label, and the id
-%   alone where it has none.
+called(Name, Text) :- saying(name, [Name], Text).
 
-object_name(Object, Name) :-
-    (   label(Object, Label, _), Label \== ''
-    ->  (   once(( label(Other, Label, _), Other \== Object, once(label(Other, First, _)), First == Label ))
-        ->  format(string(Name), "~w (~w)", [Label, Object])
-        ;   format(string(Name), "~w", [Label])
-        )
-    ;   format(string(Name), "~w", [Object])
-    ).
+%   the(+Thing, +Said, -Text): Said is the view that the sentence speaks of, or `unsaid`.
 
-view_text(V, "from some view") :- var(V), !.
-view_text(V, Text) :-
-    (   view_label(V, you)
-    ->  connective(seen_by_you, Text)
-    ;   connective(seen_from, From),
-        (   view_label(V, Label), Label \== ''
-        ->  join([From, Label], Text)
-        ;   join([From, V], Text)
-        )
-    ).
-
-%!  length_text(+Metres, -Text:string) is det.
-%
-%   Text is a length as people say it: centimetres below a metre, with at most one decimal.
-
-length_text(N, "some distance") :- var(N), !.
-length_text(N, Text) :-
-    (   abs(N) < 0.9995
-    ->  Tenths is round(N * 1000),
-        Whole is Tenths // 10,
-        (   Tenths mod 10 =:= 0
-        ->  format(string(Text), "~d cm", [Whole])
-        ;   Centimetres is Tenths / 10.0,
-            format(string(Text), "~1f cm", [Centimetres])
-        )
-    ;   format(string(Text), "~2f m", [N])
-    ).
-
-volume_text(N, "some room") :- var(N), !.
-volume_text(N, Text) :-
-    (   abs(N) < 0.001
-    ->  Cubic is N * 1000000,
-        format(string(Text), "~0f cubic centimetres", [Cubic])
-    ;   Litres is N * 1000,
-        format(string(Text), "~1f litres", [Litres])
-    ).
+the(X, _, Text) :- var(X), !, saying(something, [], Text).
+the(X, unsaid, Text) :- !, thing_name(X, Text).
+the(X, Said, Text) :- thing_name(X, Said, Text).
 
 negation_text((Goal, Other \== Exception), Text) :-
     var(Other),
-    no_other(Goal, Exception, Template),
+    language(Words),
+    Words:no_other(Goal, Exception, Template),
     !,
-    goal_text_items(Template, yes, Text).
+    template_text(Template, yes, Text).
 negation_text(Goal, Text) :-
     term_variables(Goal, [_|_]),
-    none(Goal, Template),
+    language(Words),
+    Words:none(Goal, Template),
     !,
-    goal_text_items(Template, yes, Text).
+    template_text(Template, yes, Text).
 negation_text(Goal, Text) :-
     goal_text(Goal, no, Text).
 
-%   near_text(+Goal, +Near, -Tail): the witness of a negation is what came closest to refuting it.
+%   near_text(+Goal, +Near, -Tail): the witness of a negation is what came closest to refuting it, by name
+%   where the goal leaves open which thing it is.
 
-near_text(_, [], "") :- !.
+near_text(Goal, [], Tail) :-
+    !,
+    (   open(Goal)
+    ->  saying(none_close, [], Tail)
+    ;   Tail = ""
+    ).
 near_text(Goal, [node(_, Found, Margin, _, _)], Tail) :-
     number(Margin),
+    !,
+    short_text(Margin, Short),
     copy_term(Goal, Copy),
     term_variables(Copy, Variables),
     plain(Found, Copy),
     include(spatial, Variables, Objects),
-    Objects = [Object|_],
-    !,
-    the(Object, Name),
-    short_text(Margin, Short),
-    connective(closest, Closest),
-    format(string(Tail), " (~w ~w, ~w)", [Closest, Name, Short]).
-near_text(_, [node(_, _, Margin, _, _)], Tail) :-
-    number(Margin),
-    !,
-    short_text(Margin, Short),
-    format(string(Tail), " (~w)", [Short]).
+    (   Objects = [Object|_]
+    ->  the(Object, unsaid, Name),
+        saying(closest, [Name, Short], Tail)
+    ;   saying(aside, [Short], Tail)
+    ).
 near_text(_, _, "").
+
+%   open(+Goal): it asks for a thing, which measured facts may bring close; labels and kinds do not.
+
+open((label(_, _, _), _)) :- !, fail.
+open((Goal, _)) :- !, open(Goal).
+open(Goal) :-
+    term_variables(Goal, [_|_]),
+    functor(Goal, Name, Arity),
+    (   relation(Name/Arity)
+    ->  true
+    ;   base(Name/Arity)
+    ->  true
+    ;   language(Words),
+        copy_term(Goal, Copy),
+        Words:none(Copy, _)
+    ->  true
+    ).
 
 spatial(X) :- atom(X), spatial_obj(X).
 
 short_text(Margin, Text) :-
     By is -Margin,
     length_text(By, Length),
-    connective(short_by, Short),
-    join([Short, Length], Text).
+    saying(short_by, [Length], Text).
 
-comparison_text(A \== B, _, Text) :-
-    !,
-    goal_text(A \== B, yes, Text).
 comparison_text(Marked, Margin, Text) :-
     plain(Marked, Goal),
     Goal =.. [Op, A0, B0],
-    A is A0,
-    B is B0,
-    operator(Op, Name),
-    connective(Name, Words),
-    (   number(Margin)
-    ->  length_text(A, X),
-        length_text(B, Y),
-        (   Margin < 0
-        ->  short_text(Margin, Tail)
-        ;   length_text(Margin, Length),
-            connective(to_spare, Spare),
-            join([Length, Spare], Tail)
-        ),
-        format(string(Text), "~w is ~w ~w (~w)", [X, Words, Y, Tail])
-    ;   format(string(Text), "~6g is ~w ~6g", [A, Words, B])
+    language(Words),
+    (   catch(( A is A0, B is B0 ), error(type_error(_, _), _), fail),
+        Words:connective(Op, Operator)
+    ->  (   number(Margin)
+        ->  length_text(A, X),
+            length_text(B, Y),
+            (   Margin < 0
+            ->  short_text(Margin, Tail)
+            ;   length_text(Margin, Length),
+                saying(to_spare, [Length], Tail)
+            ),
+            saying(compared, [X, Operator, Y], Core),
+            saying(aside, [Tail], Aside),
+            string_concat(Core, Aside, Text)
+        ;   number_text(A, X),
+            number_text(B, Y),
+            saying(compared, [X, Operator, Y], Core),
+            (   call(Goal)
+            ->  Text = Core
+            ;   saying(not_so, [Core], Text)
+            )
+        )
+    ;   goal_text(Goal, yes, Text)
     ).
 
-operator(=<, at_most).
-operator(<, less).
-operator(>=, at_least).
-operator(>, more).
-operator(=:=, equal).
-operator(=\=, unequal).
-
-join(Words, Text) :-
-    atomic_list_concat(Words, ' ', Atom),
-    atom_string(Atom, Text).
-
-%!  hindrance(+Goal, -Text:string) is semidet.
+%!  hindrance(+Goal, -Text) is semidet.
 %
 %   Text says what keeps a relation from being stated at all, whatever was measured: the order of figure and
 %   reference, a view that stands too close, things out of each other's reach.
 
 hindrance(Goal, Text) :-
     functor(Goal, Name, Arity),
-    relation(Name/Arity),
-    Goal =.. [Name, Figure, Reference|View],
+    once(( relation(Name/Arity) ; base(Name/Arity) )),
+    Goal =.. [Name, Figure, Reference|Views],
     atom(Figure),
     atom(Reference),
-    (   \+ figure_reference(Figure, Reference),
+    Figure \== Reference,
+    (   one_way(Name/Arity),
+        \+ figure_reference(Figure, Reference),
         figure_reference(Reference, Figure)
     ->  hindrance_text(order(Figure, Reference), Text)
-    ;   View = [V],
-        withheld(Reference, V, Reason)
-    ->  atom_string(Reason, Text)
-    ;   \+ pair(Figure, Reference, _, _, _, _, _, _, _),
-        Figure \== Reference
+    ;   Views = [View],
+        withheld(Reference, View, Reason)
+    ->  hindrance_text(withheld(Reference, View, Reason), Text)
+    ;   \+ pair(Figure, Reference, _, _, _, _, _, _, _)
     ->  hindrance_text(apart(Figure, Reference), Text)
+    ;   atom_concat(Side, '_s', Name),
+        atom_concat(Side, '_r', Relaxed),
+        Weaker =.. [Relaxed, Figure, Reference],
+        \+ direction:Weaker
+    ->  denied_text(Weaker, Text)
     ).
+
+%   one_way(+Predicate): it is concluded in figure-reference order only.
+
+one_way(Predicate) :- relation(Predicate), !.
+one_way(Name/2) :-
+    member(Side, [east, west, north, south]),
+    atom_concat(Side, _, Name),
+    !.
+
+hindrance_text(What, Text) :-
+    language(Words),
+    Words:hindered(What, Template),
+    template_text(Template, yes, Text).
 
 %!  obstacles(+Node, -Texts:list) is det.
 %
@@ -242,11 +316,27 @@ hindrance(Goal, Text) :-
 obstacles(node(_, _, _, _, Children), Texts) :-
     findall(Text, ( member(Child, Children), fails(Child), obstacle(Child, Text) ), Texts).
 
+%   fails(+Node): by the sign of its margin; at a bound, where that is zero, by what it consists of.
+
 fails(node(_, _, Margin, _, _)) :-
-    (   number(Margin)
-    ->  Margin < 0
-    ;   Margin == minus_inf
-    ).
+    number(Margin),
+    Margin =\= 0,
+    !,
+    Margin < 0.
+fails(node(_, _, minus_inf, _, _)) :- !.
+fails(node(comparison, Marked, Margin, _, _)) :-
+    number(Margin),
+    !,
+    plain(Marked, Goal),
+    \+ call(Goal).
+fails(node(negation, _, _, _, [Miss])) :-
+    !,
+    \+ fails(Miss).
+fails(node(_, _, Margin, _, Children)) :-
+    number(Margin),
+    member(Child, Children),
+    fails(Child),
+    !.
 
 %   Of a denial what refutes it is named; of a rule or fact, that it does not hold.
 
@@ -261,25 +351,24 @@ obstacle(node(_, Goal, Margin, _, _), Text) :-
     goal_text(Goal, no, Core),
     (   number(Margin)
     ->  short_text(Margin, Short),
-        format(string(Text), "~s (~s)", [Core, Short])
+        saying(aside, [Short], Tail),
+        string_concat(Core, Tail, Text)
     ;   Text = Core
     ).
 
 witness(node(conjunction, _, _, _, [First|_]), First) :- !.
 witness(Miss, Miss).
 
-%!  denied_text(+Goal, -Text:string) is det.
+%!  denied_text(+Goal, -Text) is det.
 %
 %   Text says that Goal does not hold.
 
 denied_text(Goal, Text) :-
     goal_text(Goal, no, Text).
 
-hindrance_text(What, Text) :-
-    hindered(What, Template),
-    goal_text_items(Template, yes, Text).
-
-%   plain(+Marked, -Goal): numbers without the mark that they are no lengths.
+%!  plain(+Marked, -Goal) is det.
+%
+%   Goal is Marked with numbers free of the mark that they are no lengths.
 
 plain(X, X) :- var(X), !.
 plain(no_length(N), N) :- !.
@@ -290,102 +379,3 @@ plain(X, Y) :-
     maplist(plain, Args, Plain),
     Y =.. [F|Plain].
 plain(X, X).
-
-%!  node_dict(+Node, -Dict) is det.
-%
-%   Dict is Node for other renderers: kind, predicate and arguments, sentence, margin (null where no length
-%   is involved), axiom, rule file and line, whether the outline for people shows it, and children.
-
-node_dict(Node, Dict) :-
-    node_dict(Node, root, Dict).
-
-node_dict(Node, Place, Dict) :-
-    Node = node(Kind, Goal, Margin, Clause, Children),
-    (   shown(Node, Place) -> Shown = true ; Shown = false ),
-    node_text(Node, Text),
-    goal_parts(Goal, Functor, Args),
-    atom_string(Functor, Name),
-    (   number(Margin) -> Metres = Margin ; Metres = null ),
-    goal_axiom(Goal, Axiom),
-    clause_source(Clause, Rule),
-    findall(Reason, ( member(Child, Children), node_dict(Child, inner, Reason) ), Reasons),
-    Dict = _{ kind: Kind, predicate: Name, args: Args, text: Text, margin: Metres,
-              axiom: Axiom, rule: Rule, shown: Shown, children: Reasons }.
-
-goal_parts(\+ Goal, Name, Args) :- !, goal_parts(Goal, Name, Args).
-goal_parts((A, _), Name, Args) :- !, goal_parts(A, Name, Args).
-goal_parts(Goal, Name, Args) :-
-    plain(Goal, Plain),
-    Plain =.. [Name|Terms],
-    maplist(part, Terms, Args).
-
-part(X, null) :- var(X), !.
-part(X, X) :- number(X), !.
-part(X, Y) :- atom(X), !, atom_string(X, Y).   % a string: an object may be called null
-part(X, Y) :- ground(X), catch(Y is X, _, fail), !.
-part(X, Y) :- term_string(X, Y).
-
-goal_axiom(\+ _, null) :- !.
-goal_axiom(Goal, Number) :-
-    functor(Goal, Name, Arity),
-    (   axiom(Name/Arity, Number)
-    ->  true
-    ;   Number = null
-    ).
-
-clause_source(none, null) :- !.
-clause_source(Clause, _{ file: Name, line: Line }) :-
-    clause_property(Clause, file(File)),
-    clause_property(Clause, line_count(Line)),
-    file_base_name(File, Name),
-    !.
-clause_source(_, null).
-
-%!  print_proof(+Node) is det.
-%
-%   Print Node and its reasons, one a line, indented; only what is shown/2.
-
-print_proof(Node) :-
-    print_proof(Node, root, 0).
-
-print_proof(Node, Place, Depth) :-
-    Node = node(_, _, _, _, Children),
-    (   shown(Node, Place)
-    ->  node_text(Node, Text),
-        node_source(Node, Source),
-        forall(between(1, Depth, _), write('  ')),
-        format("~w~w~n", [Text, Source]),
-        Next is Depth + 1
-    ;   Next = Depth
-    ),
-    (   Node = node(negation, _, _, _, _)
-    ->  true
-    ;   forall(member(Child, Children), print_proof(Child, inner, Next))
-    ).
-
-%   shown(+Node, +Place): whether a person needs the line. Thresholds and comparisons with zero are said by
-%   the line above them, and a step that only renames its single reason by that reason.
-
-shown(_, root) :- !.
-shown(node(Kind, Goal, _, _, Children), _) :-
-    \+ silent(Kind, Goal),
-    \+ ( Kind == rule,
-         exclude(silent_node, Children, [node(rule, _, _, _, _)])
-       ).
-
-silent_node(node(Kind, Goal, _, _, _)) :- silent(Kind, Goal).
-
-silent(negation, \+ ( label(_, _, _), _ > _ )).
-silent(fact, threshold(_, _)).
-silent(fact, viewpoint(_)).
-silent(fact, pair(_, _, _, _, _, _, _, _, _)).
-silent(fact, aspect(_, _, _, _, _, _, _)).
-silent(fact, strict(_, _, _, _, _)).
-silent(comparison, _ >= Zero) :- Zero == 0.
-
-node_source(node(rule, Goal, _, _, _), Text) :-
-    goal_axiom(Goal, Number),
-    integer(Number),
-    !,
-    format(string(Text), "  [axiom ~d]", [Number]).
-node_source(_, "").

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from typing import Any
 from urllib.parse import quote
 
 import jsonschema
@@ -123,6 +124,84 @@ def test_reasons_have_their_evidence_and_are_as_the_schema_says(server: Server) 
         assert '"granularity"' in json.dumps(found["proof"] or found["nearest"])
 
 
+LEANS, AFFIXED = "leans_on(extinguisher2, wall)", "affixed_on(extinguisher2, wall)"
+
+
+def get(server: Server, question: str, **given: str) -> Any:
+    query = "&".join(f"{name}={quote(value)}" for name, value in given.items())
+    return server.send("GET", f"/scenes/hans/{question}?{query}").json
+
+
+def as_json(told: Any) -> Any:
+    return json.loads(json.dumps(told))
+
+
+def test_each_question_for_reasons_is_python_s(server: Server, kb: KnowledgeBase) -> None:
+    assert get(server, "why", goal=LEANS) == as_json({"goal": LEANS, **kb.evidence(kb.why(LEANS)).to_dict()})
+    found_all = kb.evidence(kb.why_all("near(X, Y)", limit=2))
+    every = as_json({"goal": "near(X, Y)", **found_all.to_dict()})
+    assert get(server, "why-all", goal="near(X, Y)", limit="2") == every
+    assert every["truncated"]
+    refusal = kb.evidence(kb.why_not(AFFIXED))
+    told = {"goal": AFFIXED, "sentence": refusal.sentence(), **refusal.to_dict()}
+    assert get(server, "why-not", goal=AFFIXED) == as_json(told)
+    found = kb.evidence(kb.contrast(LEANS, AFFIXED))
+    told = {"goal": LEANS, "rather_than": AFFIXED, "sentence": found.sentence(), **found.to_dict()}
+    assert get(server, "contrast", goal=LEANS, rather_than=AFFIXED) == as_json(told)
+    assert "because the floor touches the fire extinguisher on the floor." in told["sentence"]
+    change = kb.change("on_top_of(sweater, heater)")
+    assert change is not None
+    assert get(server, "change", goal="on_top_of(sweater, heater)") == as_json(
+        {"goal": "on_top_of(sweater, heater)", "change": change.to_dict()}
+    )
+    assert get(server, "names")["names"] == kb.names()
+    assert get(server, "names", view="v0")["names"] == kb.names(view="v0")
+
+
+def what_if(server: Server, body: object) -> Reply:
+    text = json.dumps(body).encode()
+    return server.send("POST", "/scenes/hans/what-if", text, content_type="application/json")
+
+
+def test_what_if_is_python_s(server: Server, kb: KnowledgeBase) -> None:
+    moves = {"sweater": (0.0, 0.0, 0.1)}
+    assert what_if(server, {"moves": moves}).json == as_json(kb.consequences(moves).to_dict())
+    far = {"sweater": (-1.0, 0.3, 0.0)}
+    cut = what_if(server, {"moves": far, "limit": 1}).json
+    assert (len(cut["gained"]) + len(cut["lost"]), cut["truncated"]) == (1, True)
+    assert what_if(server, {"moves": {"sweater": (0.0, 0.0, 0.0)}}).json["lost"] == []
+
+
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [
+        ({"moves": {}}, 422), ({}, 422), ({"moves": {"sweater": [0, 0]}}, 422),
+        ({"moves": {"sweater": [0, 0, "x"]}}, 422), ({"moves": {"sweater": [0, 0, 1e9]}}, 422),
+        ({"moves": {f"t{n}": [0, 0, 0] for n in range(101)}}, 422), ({"moves": {"none": [0, 0, 1]}}, 400),
+        ({"moves": {"sweater": [0, 0, 1]}, "limit": 0}, 422),
+        ({"moves": {"sweater": [0, 0, 1]}, "limit": 10**6}, 422),
+    ],
+)  # fmt: skip
+def test_moves_that_mean_nothing_are_refused(server: Server, body: object, status: int) -> None:
+    assert what_if(server, body).status == status
+
+
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("why-not?goal=halt", 400), ("why-not", 422), ("why-all?goal=near(X,Y)&limit=0", 422),
+        ("why-all?goal=near(X,Y)&limit=100000", 422), ("why-all?goal=shell(ls)", 400),
+        (f"contrast?goal={quote(LEANS)}", 422), ("contrast?goal=near(X,Y)&rather_than=halt", 400),
+        ("contrast?goal=near(sign,wall)&rather_than=near(sign,nothing)", 400), ("change?goal=halt", 400),
+        ("change?goal=near(X,Y)", 400), ("names?view=v9", 400),
+        ("why?goal=" + "x" * 5000, 422), ("why-not?goal=" + "x" * 5000, 422),
+    ],
+)  # fmt: skip
+def test_questions_for_reasons_that_mean_nothing_are_refused(server: Server, path: str, status: int) -> None:
+    reply = server.send("GET", f"/scenes/hans/{path}")
+    assert (reply.status, "Traceback" in reply.detail) == (status, False)
+
+
 def test_scenes_are_whole(server: Server) -> None:
     found = server.send("GET", "/scenes/hans").json
     assert Scene.from_dict(found).to_dict() == Scene.load(HANS).to_dict()
@@ -139,7 +218,9 @@ def test_the_description_names_every_path(server: Server) -> None:
     assert told["openapi"].startswith("3.")
     assert set(told["paths"]) == {
         "/scenes", "/scenes/{scene}", "/scenes/{scene}/objects", "/scenes/{scene}/relations",
-        "/scenes/{scene}/ask", "/scenes/{scene}/why", "/scenes/{scene}/view",
+        "/scenes/{scene}/ask", "/scenes/{scene}/names", "/scenes/{scene}/why", "/scenes/{scene}/why-all",
+        "/scenes/{scene}/why-not", "/scenes/{scene}/contrast", "/scenes/{scene}/change",
+        "/scenes/{scene}/what-if", "/scenes/{scene}/view",
     }  # fmt: skip
     relation = told["components"]["schemas"]["RelationTold"]["properties"]
     assert set(relation) == {"relation", "figure", "reference", "view", "margin"}

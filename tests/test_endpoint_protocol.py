@@ -9,13 +9,14 @@ from collections.abc import Iterator
 
 import pytest
 from rdflib import RDF, Dataset, Graph, Namespace, URIRef
+from rdflib.compare import isomorphic
 from rdflib.plugins.stores.sparqlstore import SPARQLStore
 from SPARQLWrapper import JSON, SPARQLWrapper
 
 from endpoint import HANS, Server, serving
-from w3c_protocol import SUITE, Case, cases, graph_path
+from w3c_protocol import SUITE, Case, GraphStep, cases, graph_cases, graph_path
 
-CASES = cases()
+CASES, GRAPH_CASES = cases(), graph_cases()
 SD = Namespace("http://www.w3.org/ns/sparql-service-description#")
 ON_TOP = "PREFIX d: <urn:deixis:term:> SELECT ?a { ?a d:onTopOf ?b } ORDER BY ?a"
 TABULAR = ("application/sparql-results+json", "application/sparql-results+xml", "text/csv")
@@ -56,7 +57,7 @@ def run(server: Server, case: Case, *, token: bool) -> list[str]:
 
 @needs_suite
 def test_the_suite_is_whole() -> None:
-    assert len(CASES) == 34
+    assert (len(CASES), len(GRAPH_CASES)) == (34, 13)
 
 
 @needs_suite
@@ -78,6 +79,68 @@ def test_w3c_updates_are_refused_when_read_only(server: Server, case: Case) -> N
     reply = server.send(step.method, step.path, step.body, token=True, **headers)
     assert 400 <= reply.status < 500
     assert server.send("GET", "/graphs").body == before
+
+
+@needs_suite
+@pytest.mark.parametrize("steps", GRAPH_CASES.values(), ids=list(GRAPH_CASES))
+def test_w3c_graph_store(writable: Server, steps: list[GraphStep]) -> None:
+    assert writable.update("CLEAR ALL").status == 204
+    assert writable.update("DROP ALL").status == 204
+    known: dict[str, str] = {}
+    for step in steps:
+        path = step.path
+        for name, value in known.items():
+            path = path.replace(name, value)
+        headers = {name.replace("-", "_"): value for name, value in step.headers.items()}
+        reply = writable.send(step.method, path, step.body, token=True, **headers)
+        assert reply.status in step.statuses, (path, reply.body)
+        if step.location:
+            known[step.location] = reply.headers["location"]
+        if step.media:
+            assert reply.headers["content-type"] == step.media
+        if step.graph is not None:
+            assert isomorphic(Graph().parse(data=reply.body, format="turtle"), step.graph)
+
+
+@pytest.mark.parametrize(
+    ("form", "kind", "status", "told"),
+    [
+        (
+            b"--x\r\nContent-Type: text/turtle\r\n\r\n<urn:a> a <urn:b> .\r\n--x--",
+            "",
+            400,
+            "needs a boundary",
+        ),
+        (b"--x\r\nContent-Type: text/turtle\r\n\r\n<urn:a> a", "; boundary=x", 400, "ends before its last"),
+        (b"--x\r\n\r\n<urn:a> a <urn:b> .\r\n--x--", "; boundary=x", 400, "no Content-Type"),
+        (
+            b"--x\r\nContent-Type: text/html\r\n\r\n<p>\r\n--x--",
+            "; boundary=x",
+            415,
+            "'text/html' is not read",
+        ),
+        (b"--x\r\nContent-Type: text/turtle\r\n--x--", "; boundary=x", 400, "no empty line"),
+        (b"--x\r\nContent-Type: text/turtle\r\n\r\n<urn:a\r\n--x--", "; boundary=x", 400, "not well formed"),
+        (b"\r\n--x" * 10_000, "; boundary=x", 400, "more than 100 parts"),
+    ],
+)
+def test_forms_that_are_wrong_say_what(
+    writable: Server, form: bytes, kind: str, status: int, told: str
+) -> None:
+    reply = writable.send(
+        "POST", graph_path("urn:g"), form, token=True, content_type=f"multipart/form-data{kind}"
+    )
+    assert (reply.status, told in reply.detail) == (status, True), reply.detail
+    assert writable.send("GET", graph_path("urn:g")).status == 404
+
+
+def test_blank_nodes_of_two_texts_are_two(writable: Server) -> None:
+    path = graph_path("urn:test:blank")
+    for _ in range(2):
+        sent = writable.send("POST", path, b"_:a <urn:b> 1 .", token=True, content_type="text/turtle")
+        assert sent.status in (201, 204)
+    assert writable.query("SELECT ?a { ?a <urn:b> 1 }", "text/csv").body.count(b"\n") == 3
+    assert writable.send("DELETE", path, token=True).status == 204
 
 
 def test_the_service_description_names_this_endpoint(server: Server) -> None:

@@ -187,7 +187,7 @@ def test_a_negation_names_its_witness(kb: KnowledgeBase) -> None:
     assert proof is not None
     only = next(step for step in proof.children if step.kind == "negation" and step.predicate == "touches")
     assert only.text == (
-        "nothing other than the wall touches the fire extinguisher (extinguisher1) "
+        "nothing other than the wall touches the fire extinguisher on the wall "
         "(the closest is the fire extinguisher sign, short by 27 cm)"
     )
     (witness,) = only.children
@@ -216,7 +216,7 @@ def test_the_outline_shows_the_shown(kb: KnowledgeBase) -> None:
     assert lines[0] == f"{proof.text}  [axiom 37]"
     texts = {step.text for step in holding(proof) if step.shown}
     assert {line.strip().split("  [axiom")[0] for line in lines} == texts
-    assert proof.sentence().startswith("The fire extinguisher (extinguisher2) leans on the wall, because ")
+    assert proof.sentence().startswith("The fire extinguisher on the floor leans on the wall, because ")
     assert "the reference" not in proof.sentence()
 
 

@@ -19,8 +19,8 @@ SECONDS = 20.0
 PROMISED = {
     "00_hello_scene": [
         "on_top_of(sweater, heater): 2.0 cm to spare",
-        "the fire extinguisher (extinguisher2) leans on the wall  [axiom 37]",
-        "yes: the fire extinguisher (extinguisher2) is left of the radiator as seen from the robot",
+        "the fire extinguisher on the floor leans on the wall  [axiom 37]",
+        "yes: the fire extinguisher on the floor is left of the radiator as seen from the robot",
         "no more: {('on_top_of', 'sweater', 'heater', '')}",
         "new:     nothing",
     ],
@@ -38,6 +38,10 @@ PROMISED = {
         "robot  extinguisher2  leftOf  radiator",
         "counterexample: False",
         "extinguisher2 is left of radiator",
+        "extinguisher2 0.14 m",
+        "left_of extinguisher2 radiator v0 0.084",
+        "403 SERVICE is switched off",
+        "stopped: True",
     ],
     "03_why": [
         "The fire extinguisher (extinguisher2) leans on the wall, because",

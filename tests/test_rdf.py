@@ -25,6 +25,7 @@ from deixis.rdf.export import graph_names, nquads, quads, save, serialised
 from deixis.rdf.formats import DATASETS, FORMATS, MAX_DEPTH
 from deixis.rdf.namespaces import PREFIXES
 from deixis.rdf.relations import names_of, relation_names
+from deixis.rdf.terms import IDENTIFIER
 from scenes import ROBOT, box, floor, scene, wall
 from worlds import World, worlds
 
@@ -250,7 +251,7 @@ def test_premises_lead_to_steps_that_say_something(hans: ox.Store) -> None:
         "Absence": 2,
         "Measurement": 1,
     }
-    assert ("urn:deixis:term:Derivation", "the fire extinguisher (extinguisher2) touches the wall") in why
+    assert ("urn:deixis:term:Derivation", "the fire extinguisher on the floor touches the wall") in why
 
 
 def test_every_leaf_says_its_rule_its_numbers_and_where_it_was_measured(hans: ox.Store) -> None:
@@ -507,13 +508,23 @@ def test_an_unwritable_place_is_named(tmp_path: Path) -> None:
     assert "cannot be written: No such file or directory" in done.err
 
 
-def test_nothing_found_is_an_empty_dataset_and_no(tmp_path: Path) -> None:
+@pytest.mark.parametrize("form", ["ttl", "trig", "nq", "jsonld"])
+def test_nothing_found_is_a_dataset_that_names_the_scene_and_no(tmp_path: Path, form: str) -> None:
     path = tmp_path / "alone.json"
-    scene(box("cup", [0, 0, 0], [1, 1, 1])).save(path)
-    for form in ("ttl", "trig", "nq", "jsonld"):
-        done = call("relations", path, "--format", form)
-        assert done.code == 1
-        assert ox.Store().load(done.out.encode(), format=FORMATS[form]) is None
+    alone = scene(box("cup", [0, 0, 0], [1, 1, 1]))
+    alone.save(path)
+    done = call("relations", path, "--format", form)
+    assert (done.code, done.out[-1]) == (1, "\n")
+    found = {(str(q.predicate), q.object.value) for q in ox.parse(done.out.encode(), format=FORMATS[form])}
+    assert (f"<{IDENTIFIER}>", alone.id) in found
+    assert len(found) == 2
+
+
+def test_printed_relations_are_no_scene_to_read(tmp_path: Path) -> None:
+    path = tmp_path / "some.trig"
+    path.write_text(call("relations", ROOT / "kb" / "scenes" / "hans.json", "--format", "trig").out)
+    done = call("import", "rdf", path, "-o", tmp_path / "x.json")
+    assert (done.code, "`deixis export` writes" in done.err) == (2, True)
 
 
 # Without pyoxigraph

@@ -14,9 +14,10 @@ from pathlib import Path
 
 import pytest
 
+import deixis.cli.words  # noqa: F401 - adds its commands
 from commands import run
 from deixis import Scene
-from deixis.cli import maps, questions, view  # noqa: F401 - they add their commands
+from deixis.cli import live, maps, questions, view, words  # noqa: F401 - they add their commands
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from endpoint import serving
@@ -28,14 +29,14 @@ def test_commands_print_what_the_readme_shows(number: int, root: Path) -> None:
     block = blocks("sh")[number]
     printed = ""
     for line in block["text"].splitlines():
-        words = shlex.split(line, comments=True)
-        if words == ["make", "demo"]:
-            words = ["deixis", "demo"]
-        if words[0] == "make":
-            assert re.search(rf"^{words[1]}:", (root / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+        typed = shlex.split(line, comments=True)
+        if typed == ["make", "demo"]:
+            typed = ["deixis", "demo"]
+        if typed[0] == "make":
+            assert re.search(rf"^{typed[1]}:", (root / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
             continue
-        assert words[0] == "deixis"
-        result = run(*words[1:], cwd=root)
+        assert typed[0] == "deixis"
+        result = run(*typed[1:], cwd=root)
         assert result.code in (0, 1), result.err
         printed += result.out
     check(shown_after(block), printed)

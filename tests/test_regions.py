@@ -308,7 +308,8 @@ def test_meshes_that_are_hardly_any(vertices: list[list[float]], faces: list[lis
     reason="the labelled scenes, ../shared/data/prepositions, are not here",
 )
 def test_meshes_are_nearer_to_what_people_say_than_boxes() -> None:
-    box, mesh = prepositions.scores(DATA, "box"), prepositions.scores(DATA, "mesh")
+    tables = prepositions.scores(DATA, ("box", "mesh"))
+    box, mesh = tables["box"], tables["mesh"]
     for word in prepositions.WORDS:
         assert mesh[word].f1 >= box[word].f1, word
     for word in ("in", "inside", "below", "against"):

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deixis import grounding
+from deixis.errors import SceneError
 from deixis.facts import Facts
 from deixis.regrounding import reground
 from deixis.scene import Scene
@@ -45,8 +46,13 @@ def made(things: list[Any], positions: list[Any]) -> dict[str, Any]:
     st.lists(points, min_size=1, max_size=3),
     st.lists(st.tuples(st.integers(0, 13), points), max_size=3),
     st.lists(st.tuples(st.integers(0, 2), points), max_size=2),
+    st.lists(boxes, max_size=2),
+    st.lists(st.integers(0, 13), max_size=2),
+    st.randoms(),
 )
-def test_equals_a_full_run(things: Any, positions: Any, moves: Any, looks: Any) -> None:
+def test_equals_a_full_run(
+    things: Any, positions: Any, moves: Any, looks: Any, more: Any, gone: Any, draw: Any
+) -> None:
     data = made(things, positions)
     before = Scene.from_dict(data)
     changed = copy.deepcopy(data)
@@ -56,8 +62,29 @@ def test_equals_a_full_run(things: Any, positions: Any, moves: Any, looks: Any) 
     for index, point in looks:
         if index < len(changed["views"]):
             changed["views"][index]["position"] = list(point)
+    changed["objects"] = [one for at, one in enumerate(changed["objects"]) if at not in gone]
+    changed["objects"] += [box(f"n{at}", *thing) for at, thing in enumerate(more)]
+    if draw.random() < 0.3:
+        draw.shuffle(changed["objects"])
     after = Scene.from_dict(changed)
     assert same(reground(before, grounding.ground(before), after), grounding.ground(after))
+
+
+def test_a_changed_scene_is_the_scene_that_says_so() -> None:
+    before = scene(floor(), box("a", (0, 0, 0), (1, 1, 1)), box("b", (1, 0, 0), (1, 1, 1)))
+    other = scene(box("c", (0, 0, 2), (1, 1, 1)), box("a", (0, 0, 1), (1, 2, 1), 0.3))
+    after = before.changed(objects=other.objects, removed=["b"], views=other.views[:0])
+    assert [thing.id for thing in after.objects] == ["floor", "a", "c"]
+    assert not after.boxes.differs(Scene.from_dict(after.to_dict()).boxes).any()
+    assert after.views == ()
+    assert before.changed().to_dict() == before.to_dict()
+    for wrong, said in (
+        ({"removed": ["d"]}, "has no object 'd'"),
+        ({"removed": ["a"], "objects": other.objects}, "both given and removed"),
+        ({"objects": other.objects * 2}, "more than once"),
+    ):
+        with pytest.raises(SceneError, match=said):
+            before.changed(**wrong)
 
 
 def test_other_things_or_thresholds_are_grounded_from_the_start() -> None:

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import Final
 
-from deixis.errors import RuleError
+from deixis.errors import QueryError, RuleError
 
 _PACKAGE: Final = Path(__file__).resolve().parent
 
@@ -64,11 +64,31 @@ def _find(name: str, package: Path) -> Path:
     raise RuleError(f"no {name}/ at {packaged} or {checkout}: reinstall deixis, or use a whole checkout")
 
 
-def theory_files() -> tuple[Path, ...]:
-    """Return the rule files of the theory, in loading order."""
+def languages() -> tuple[str, ...]:
+    """Return the languages that sentences can be in.
+
+    Examples
+    --------
+    >>> languages()
+    ('de', 'en')
+    """
+    return tuple(sorted(path.stem for path in (rules_dir() / "lang").glob("*.pl")))
+
+
+def theory_files(language: str = "en") -> tuple[Path, ...]:
+    """Return the rule files of the theory, in loading order, with the words of a language if not English.
+
+    Raises
+    ------
+    QueryError
+        There is no file of that language.
+    """
     rules = rules_dir()
-    names = ("facts", "topology", "direction", "commonsense", "axioms", "verbalise", "explain")
-    return tuple(rules / f"{name}.pl" for name in names)
+    if language not in languages():
+        raise QueryError(f"no language {language!r}: known are {', '.join(languages())}")
+    names = ("facts", "topology", "direction", "commonsense", "axioms", "explain")
+    spoken = () if language == "en" else (rules / "lang" / f"{language}.pl",)
+    return (*(rules / f"{name}.pl" for name in names), *spoken)
 
 
 def datalog_files() -> tuple[Path, ...]:

@@ -92,6 +92,11 @@ class Boxes:
         )
         return some
 
+    def joined(self, more: Boxes) -> Boxes:
+        """Return these boxes followed by more."""
+        columns = ((getattr(one, name) for one in (self, more)) for name in self.__dataclass_fields__)
+        return Boxes(*(np.concatenate(list(both)) for both in columns))
+
     def differs(self, other: Boxes) -> Mask:
         """Return which of as many other boxes are not the same, (n,)."""
         flags = (self.normal != other.normal) | (self.ambiguous != other.ambiguous)

@@ -1,155 +1,18 @@
-"""Explanations: proof trees with margins, and how they are shown to people and programs."""
+"""Explanations: why, why not, and why rather; proof trees are in :mod:`deixis.proof`."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
-from deixis.evidence import Evidence
 from deixis.facts import SolidModel
+from deixis.proof import Length, Proof, Proofs, Rule
 from deixis.render import Shown
 from deixis.render.html import Part
-from deixis.thresholds import SNAP_DECIMALS
+from deixis.wording import ENGLISH, Words, as_sentence
 
-Kind = Literal["rule", "fact", "comparison", "negation", "conjunction"]
-
-
-@dataclass(frozen=True, slots=True)
-class Rule:
-    """Where the rule of a proof step stands.
-
-    Attributes
-    ----------
-    file : str
-        Name of the rule file.
-    line : int
-        First line of the clause.
-    """
-
-    file: str
-    line: int
-
-
-@dataclass(frozen=True, slots=True)
-class Proof(Shown):
-    """One step of a proof and the reasons it rests on.
-
-    Attributes
-    ----------
-    kind : {"rule", "fact", "comparison", "negation", "conjunction"}
-        A conclusion by a rule, a measured or given fact, a comparison of numbers, the absence of a proof,
-        or several things at once.
-    predicate : str
-        Name of the predicate, or the comparison's operator.
-    args : tuple
-        Its arguments: ids and numbers; None where a variable stands.
-    text : str
-        The step in one sentence.
-    margin : float or None
-        Metres by which a length would have to change for the step to change its answer.
-    axiom : int or None
-        Number in the paper.
-    rule : Rule or None
-    shown : bool
-        Whether a person needs this step; the outline leaves out the others.
-    children : tuple of Proof
-        The reasons; of a negation, what came closest to refuting it.
-    evidence : Evidence or None
-        What a leaf rests on, once :meth:`deixis.knowledge.KnowledgeBase.evidence` has gathered it.
-    """
-
-    kind: Kind
-    predicate: str
-    args: tuple[str | float | None, ...]
-    text: str
-    margin: float | None
-    axiom: int | None
-    rule: Rule | None
-    shown: bool
-    children: tuple[Proof, ...]
-    evidence: Evidence | None = None
-
-    @classmethod
-    def from_dict(cls, node: Mapping[str, Any]) -> Proof:
-        """Return the proof that the rules' meta-interpreter, or :meth:`to_dict`, gave as a dict."""
-        rule, evidence = node["rule"], node.get("evidence")
-        return cls(
-            kind=node["kind"],
-            predicate=node["predicate"],
-            args=tuple(node["args"]),
-            text=node["text"],
-            margin=None if node["margin"] is None else round(node["margin"], SNAP_DECIMALS),
-            axiom=node["axiom"],
-            rule=Rule(rule["file"], rule["line"]) if rule else None,
-            shown=node["shown"],
-            children=tuple(cls.from_dict(child) for child in node["children"]),
-            evidence=None if evidence is None else Evidence.from_dict(evidence),
-        )
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the proof as nested dicts, ready for JSON."""
-        return {
-            "kind": self.kind,
-            "predicate": self.predicate,
-            "args": list(self.args),
-            "text": self.text,
-            "margin": self.margin,
-            "axiom": self.axiom,
-            "rule": None if self.rule is None else {"file": self.rule.file, "line": self.rule.line},
-            "shown": self.shown,
-            "evidence": None if self.evidence is None else self.evidence.to_dict(),
-            "children": [child.to_dict() for child in self.children],
-        }
-
-    def parts(self) -> list[Part]:
-        """Return the conclusion in a sentence, with the proof below it."""
-        return [(self.sentence(), [self])]
-
-    def rule_place(self) -> str:
-        """Return file and line of the rule, or the predicate where there is no rule."""
-        return self.predicate if self.rule is None else f"{self.rule.file}:{self.rule.line}"
-
-    def outline(self) -> str:
-        """Return the proof as indented lines, one sentence each, for people."""
-        return "\n".join(self._lines(0))
-
-    def sentence(self) -> str:
-        """Return the conclusion and its first reasons in one sentence.
-
-        Examples
-        --------
-        >>> leaf = Proof("fact", "gap", (), "the gap is 1 cm", 0.01, None, None, True, ())
-        >>> Proof("rule", "touches", (), "they touch", 0.01, 16, None, True, (leaf,)).sentence()
-        'They touch, because the gap is 1 cm.'
-        """
-        reasons = [child.text for child in self._shown_children() if child.predicate != "figure_reference"]
-        if not reasons:
-            return as_sentence(self.text)
-        listed = ", ".join(reasons[:-1]) + " and " + reasons[-1] if len(reasons) > 1 else reasons[0]
-        return as_sentence(f"{self.text}, because {listed}")
-
-    def things(self) -> Iterator[str]:
-        """Yield all names that the proof speaks of, ids and others, as often as they occur."""
-        yield from (argument for argument in self.args if isinstance(argument, str))
-        for child in self.children:
-            yield from child.things()
-
-    def _shown_children(self) -> Iterator[Proof]:
-        """Yield the nearest shown reasons below this step."""
-        if self.kind == "negation":
-            return
-        for child in self.children:
-            if child.shown:
-                yield child
-            else:
-                yield from child._shown_children()
-
-    def _lines(self, depth: int) -> Iterator[str]:
-        axiom = f"  [axiom {self.axiom}]" if self.kind == "rule" and self.axiom is not None else ""
-        yield "  " * depth + self.text + axiom
-        for child in self._shown_children():
-            yield from child._lines(depth + 1)
+__all__ = ["Answer", "Contrast", "Miss", "Proof", "Proofs", "Refusal", "Rule", "as_sentence"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,19 +35,21 @@ class Answer(Shown):
     nearest: Proof | None
     text: str
     measured_as: Mapping[str, SolidModel] = field(default_factory=dict)
+    words: Words = field(default=ENGLISH, repr=False, compare=False)
 
     @classmethod
-    def from_dict(cls, reply: Mapping[str, Any]) -> Answer:
+    def from_dict(cls, reply: Mapping[str, Any], words: Words = ENGLISH) -> Answer:
         """Return the answer that the rules' meta-interpreter gave as a dict.
 
         Its ``measured_as`` may tell of more things than the answer speaks of.
         """
         proof, nearest = (
-            None if reply[name] is None else Proof.from_dict(reply[name]) for name in ("proof", "nearest")
+            None if reply[name] is None else Proof.from_dict(reply[name], words)
+            for name in ("proof", "nearest")
         )
         named = {name for one in (proof, nearest) if one is not None for name in one.things()}
         measured = {name: model for name, model in reply["measured_as"].items() if name in named}
-        return cls(proof, nearest, reply["text"], measured)
+        return cls(proof, nearest, reply["text"], measured, words)
 
     def __bool__(self) -> bool:
         return self.proof is not None
@@ -193,7 +58,16 @@ class Answer(Shown):
         """Return the answer in a sentence, with the proof or what comes closest below it."""
         if self.proof is not None:
             return self.proof.parts()
-        return [(f"No: {self.text}.", [] if self.nearest is None else [self.nearest])]
+        return [(f"{self.words.no}: {self.text}.", [] if self.nearest is None else [self.nearest])]
+
+    def told(self, length: Length = "normal") -> str:
+        """Return the proof at one of three lengths; of what does not hold, by how much it does not."""
+        if self.proof is not None:
+            return self.proof.told(length)
+        told = f"{self.words.no}: {self.text}."
+        if length == "full" and self.nearest is not None:
+            told += f"\n{as_sentence(self.words.closest)[:-1]}:\n{self.nearest.full()}"
+        return told
 
     def to_dict(self) -> dict[str, Any]:
         """Return the answer as nested dicts, ready for JSON."""
@@ -242,14 +116,16 @@ class Refusal(Shown):
     text: str
     misses: tuple[Miss, ...]
     hindrance: str | None
+    words: Words = field(default=ENGLISH, repr=False, compare=False)
 
     @classmethod
-    def from_dict(cls, reply: Mapping[str, Any]) -> Refusal:
+    def from_dict(cls, reply: Mapping[str, Any], words: Words = ENGLISH) -> Refusal:
         """Return the refusal that the rules' meta-interpreter gave as a dict."""
         misses = tuple(
-            Miss(Proof.from_dict(one["derivation"]), tuple(one["obstacles"])) for one in reply["misses"]
+            Miss(Proof.from_dict(one["derivation"], words), tuple(one["obstacles"]))
+            for one in reply["misses"]
         )
-        return cls(reply["holds"], reply["text"], misses, reply["hindrance"])
+        return cls(reply["holds"], reply["text"], misses, reply["hindrance"], words)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the refusal as nested dicts, ready for JSON."""
@@ -281,31 +157,45 @@ class Refusal(Shown):
         """
         if self.hindrance is not None:
             return self.hindrance
-        return " and ".join(self.misses[0].obstacles) if self.misses else ""
+        return self.words.listed(list(self.misses[0].obstacles)) if self.misses else ""
 
     def sentence(self) -> str:
         """Return that it does not hold, and why, in one sentence."""
         reason = self.reason()
-        return as_sentence(f"{self.text}, because {reason}" if reason and not self.holds else self.text)
+        told = f"{self.text}, {self.words.because} {reason}" if reason and not self.holds else self.text
+        return as_sentence(told)
+
+    def others(self) -> list[str]:
+        """Return for each rule but the one that comes closest what keeps it from concluding."""
+        return [
+            f"{self.words.nor} {miss.derivation.rule_place()}: {self.words.listed(list(miss.obstacles))}."
+            for miss in self.misses[1:]
+        ]
 
 
-def contrast(fact: Answer, other: Refusal) -> str:
-    """Return in one sentence why a fact holds rather than another."""
-    if fact.proof is None:
-        return as_sentence(f"{fact.text}: there is nothing to contrast")
-    if other.holds:
-        return as_sentence(f"both hold: {fact.text}, and {other.text}")
-    reason = other.reason()
-    head = f"{fact.text}, but {other.text}"
-    return as_sentence(f"{head}, because {reason}" if reason else head)
+@dataclass(frozen=True, slots=True)
+class Contrast:
+    """Why one thing holds rather than another.
 
-
-def as_sentence(text: str) -> str:
-    """Return a statement as a sentence: a capital first, a full stop last.
-
-    Examples
-    --------
-    >>> as_sentence("the cup is on the table")
-    'The cup is on the table.'
+    Attributes
+    ----------
+    fact : Answer
+    other : Refusal
+    text : str
+        Both in one statement.
     """
-    return f"{text[:1].upper()}{text[1:]}."
+
+    fact: Answer
+    other: Refusal
+    text: str
+
+    def __bool__(self) -> bool:
+        return bool(self.fact) and not self.other.holds
+
+    def sentence(self) -> str:
+        """Return it in one sentence."""
+        return as_sentence(self.text)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the contrast as nested dicts, ready for JSON."""
+        return {"text": self.text, "fact": self.fact.to_dict(), "other": self.other.to_dict()}

@@ -6,7 +6,7 @@ the threshold is its margin. Nothing right of this table computes geometry, noth
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final, Literal, get_args
 
@@ -280,6 +280,20 @@ class Facts:
     def compl_cont(self) -> Mask:
         """Return where the reference completely contains the figure (axiom 19), shape (p,)."""
         return np.asarray(self.intersects & (self.protrusion <= self.thresholds.granularity))
+
+    def among(self, inside: Mask) -> Facts:
+        """Return the same things with the pairs of which both are inside, (n,)."""
+        keep = inside[self.figure] & inside[self.reference]
+        place = np.cumsum(keep) - 1
+        views = []
+        for view in self.views:
+            some = keep[view.rows]
+            views.append(
+                replace(
+                    view, rows=place[view.rows[some]], int_hs=view.int_hs[some], cont_hs=view.cont_hs[some]
+                )
+            )
+        return replace(self, pairs=self.pairs.at(np.flatnonzero(keep)), views=tuple(views))
 
     def row(self, figure: str, reference: str) -> int | None:
         """Return the row of an ordered pair of ids, or None where the two are beyond reach."""

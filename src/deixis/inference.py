@@ -35,12 +35,20 @@ class Inference:
     """
 
     def __init__(
-        self, scene: Scene, *, rules: Sequence[str | os.PathLike[str]] = (), region: RegionModel = "box"
+        self,
+        scene: Scene,
+        *,
+        rules: Sequence[str | os.PathLike[str]] = (),
+        region: RegionModel = "box",
+        language: str = "en",
     ) -> None:
         self.scene = scene
         self.region = region_model(region)
+        self.language = language
+        self._theory = theory_files(language)
         self._rules = tuple(rules)
         self._engine: PrologEngine | None = None
+        self._loaded: Facts | None = None
         self._starting = threading.Lock()
 
     @classmethod
@@ -50,9 +58,11 @@ class Inference:
         *,
         rules: Sequence[str | os.PathLike[str]] = (),
         region: RegionModel = "box",
+        language: str = "en",
     ) -> Self:
         """Return the knowledge base of a scene, or of the scene file at a path, if it is well formed."""
-        return cls(scene if isinstance(scene, Scene) else Scene.load(scene), rules=rules, region=region)
+        loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
+        return cls(loaded, rules=rules, region=region, language=language)
 
     def __enter__(self) -> Self:
         return self
@@ -137,13 +147,16 @@ class Inference:
                 from deixis.prolog import PrologEngine
 
                 # Starting does not wait: Prolog comes up while the geometry is grounded.
-                engine = PrologEngine([*theory_files(), *self.rule_files], tabled=self.tabled)
+                engine = PrologEngine([*self._theory, *self.rule_files], tabled=self.tabled)
                 try:
                     engine.load(self.facts_text(readable=False))
                 except BaseException:
                     engine.close()
                     raise
-                self._engine = engine
+                self._engine, self._loaded = engine, self.facts
+            elif self._loaded is not self.facts:
+                self._engine.load(self.facts_text(readable=False))
+                self._loaded = self.facts
             return self._engine
 
     def relations(

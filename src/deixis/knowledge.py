@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import math
+import os
+import threading
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Final
 
-from deixis.errors import QueryError
+from deixis.explaining import Explaining
+from deixis.facts import RegionModel
 from deixis.frames import WORLD
-from deixis.hints import hint
-from deixis.inference import Inference
+from deixis.relations import Relation, in_order, rounded
+from deixis.scene import Scene
 from deixis.vocabulary import RELATIONS
 
 if TYPE_CHECKING:
+    from deixis.consequences import Consequences
     from deixis.counterfactual import Change
     from deixis.engines import Engine
-    from deixis.explain import Answer, Proof, Refusal
     from deixis.inspection import Inspection
-    from deixis.leaves import Explained, Gathering
+    from deixis.living import Known, Living
+    from deixis.updates import Changes, Update
+    from deixis.words import Description, Reply
 
 MOST_IN_A_NOTEBOOK: Final = 200
 """Things of a scene that a notebook shows unasked; `deixis view` shows any."""
 
 
-class KnowledgeBase(Inference):
+class KnowledgeBase(Explaining):
     """A scene with everything that follows from it.
 
     The geometry is grounded on first use; SWI-Prolog is started, in a process of its own, with the first
@@ -39,6 +45,8 @@ class KnowledgeBase(Inference):
         ``use_module`` is loaded too. They are checked before any engine sees them.
     region : "box", "hull" or "mesh"
         What things are measured as: their boxes, convex hulls, or meshes where they have one (decision 0017).
+    language : str
+        What sentences are in: a file of ``rules/lang``, ``en`` or ``de``.
 
     Examples
     --------
@@ -48,59 +56,17 @@ class KnowledgeBase(Inference):
     ['heater']
     """
 
-    def why(self, goal: str, *, timeout: float = 10.0) -> Answer:
-        """Return the shortest proof of a goal such as ``leans_on(ladder, wall)``, or how far it is from one.
-
-        Raises
-        ------
-        QueryError
-            The goal is not one relation of known things.
-        QueryTimeout
-            It took longer than ``timeout`` seconds.
-        """
-        from deixis.explain import Answer
-
-        return Answer.from_dict({**self._explained("why", goal, timeout), "measured_as": self.measured_as})
-
-    def why_not(self, goal: str, *, timeout: float = 10.0) -> Refusal:
-        """Return what keeps each rule from concluding a goal, nearest first; raises as :meth:`why` does."""
-        from deixis.explain import Refusal
-
-        return Refusal.from_dict(self._explained("why_not", goal, timeout))
-
-    def evidence(self, found: Explained) -> Explained:
-        """Return an answer, a refusal, an inspection or a proof with the evidence of its leaves.
-
-        That is what was measured and compared, by name, and what is to be seen of it: see
-        :class:`deixis.evidence.Evidence`.
-
-        Examples
-        --------
-        >>> from deixis._files import kb_dir
-        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
-        ...     proof = kb.evidence(kb.why("on_top_of(sweater, heater)")).proof
-        >>> proof.children[1].children[0].evidence.witness.points
-        ((1.6, 1.9, 0.6), (1.6, 1.9, 0.6))
-        """
-        from deixis.leaves import with_evidence
-
-        return with_evidence(self._gathering, found)
-
-    @cached_property
-    def _gathering(self) -> Gathering:
-        from deixis.leaves import Gathering
-
-        return Gathering(self.scene, self.facts)
-
-    def _explained(self, operation: str, goal: str, timeout: float) -> dict[str, Any]:
-        from deixis.prolog.engine import question_text
-
-        reply: Any = self.engine.call(operation, question_text(goal), timeout=timeout)
-        if "unknown" in reply:
-            known = [*self.facts.ids, *(view.id for view in self.scene.views)]
-            name = reply["unknown"]
-            raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{hint(name, known)}")
-        return dict(reply)
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        rules: Sequence[str | os.PathLike[str]] = (),
+        region: RegionModel = "box",
+        language: str = "en",
+    ) -> None:
+        super().__init__(scene, rules=rules, region=region, language=language)
+        self._updating = threading.Lock()
+        self._subscribers: list[Callable[[Changes], object]] = []
 
     def check(
         self,
@@ -156,7 +122,8 @@ class KnowledgeBase(Inference):
             self.check_view(view)
             scene = replace(scene, views=tuple(one for one in scene.views if one.id == view))
             facts = replace(facts, views=tuple(one for one in facts.views if one.view in (WORLD, view)))
-        variant = KnowledgeBase(scene, rules=self._rules or ("safety",), region=self.region)
+        rules = self._rules or ("safety",)
+        variant = KnowledgeBase(scene, rules=rules, region=self.region, language=self.language)
         variant.facts = facts
         return variant
 
@@ -186,12 +153,73 @@ class KnowledgeBase(Inference):
         fact = named_fact(goal, known, self._predicates)
         return smallest_change(self.scene, self.facts, self._executor, fact)
 
+    def update(self, update: Update) -> Changes:
+        """Change the scene; return which relations hold now and did not, and the reverse.
+
+        Facts and relations are kept up at the cost of what can have changed; they are always those of a full
+        run. The relations are all that people speak in, and those that rules of one's own state. An update
+        that is refused leaves everything as it was.
+
+        Raises
+        ------
+        SceneError
+            Something in the update is not there, or told twice.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> from deixis.updates import Update
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     lifted = Update.from_dict({"moves": {"sweater": [0, 0, 0.1]}}, kb.scene)
+        ...     [one.to_prolog() for one in kb.update(lifted).lost]
+        ["on_top_of('sweater','heater')"]
+        """
+        from deixis.regrounding import reground
+        from deixis.updates import Changes
+
+        with self._updating:
+            living = self._living
+            after = update.applied(self.scene)
+            facts = reground(self.scene, self.facts, after)
+            labels = [(view.id, view.label) for view in after.views]
+            looked = bool(update.views or update.removed_views)
+            found = living.advance(facts, labels, update.things, looked=looked)
+            self.scene, self.facts = after, facts
+            # What was made of the facts of before is made anew when it is asked for.
+            self.__dict__.pop("_gathering", None)
+        gained, lost = (in_order(map(_relation, some.items())) for some in (found.gained, found.lost))
+        changes = Changes(update.stamp, gained, lost)
+        for subscriber in tuple(self._subscribers):
+            subscriber(changes)
+        return changes
+
+    def subscribe(self, subscriber: Callable[[Changes], object]) -> Callable[[], None]:
+        """Call a function with the changes of each update from now on; return how to end that."""
+        self._subscribers.append(subscriber)
+        return partial(self._subscribers.remove, subscriber)
+
+    @cached_property
+    def _living(self) -> Living:
+        from deixis.living import Living
+
+        labels = [(view.id, view.label) for view in self.scene.views]
+        names = [term.name for term in RELATIONS]
+        wanted = [one for name in names for one in self._predicates(name)]
+        kinds = self.ruleset.kinds
+        wanted += [
+            one
+            for one in sorted(self.ruleset.user)
+            if len(kinds[one]) in (2, 3) and set(kinds[one]) == {"name"}
+        ]
+        return Living(self.ruleset, self._executor, wanted, self.facts, labels)
+
     def what_if(self, moves: Mapping[str, Sequence[float]]) -> KnowledgeBase:
         """Return the knowledge base of the scene in which some things are moved by x, y, z metres."""
         from deixis.counterfactual import moved
         from deixis.regrounding import reground
 
-        after = KnowledgeBase(moved(self.scene, moves), rules=self._rules, region=self.region)
+        then = moved(self.scene, moves)
+        after = KnowledgeBase(then, rules=self._rules, region=self.region, language=self.language)
         after.facts = reground(self.scene, self.facts, after.scene)
         return after
 
@@ -234,10 +262,8 @@ class KnowledgeBase(Inference):
             (one.relation, one.figure, one.reference, *([] if one.view is None else [one.view])): one.margin
             for one in self.relations(relation=names, timeout=timeout)
         }
-        proofs = self.proofs(relation=names, timeout=timeout)
-        seen = self._gathering.gather(list(proofs.values()))
-        found = [Shown(proof, margins[key]) for key, proof in zip(proofs, seen, strict=True)]
-        return page_data(self.scene, self.facts, found)
+        proofs = self.proofs(relation=names, evidence=True, timeout=timeout)
+        return page_data(self.scene, self.facts, [Shown(proof, margins[key]) for key, proof in proofs.items()])
 
     def _repr_html_(self) -> str | None:
         """Return the page in a frame of its own, for notebooks; None where it is not there, or too large."""
@@ -247,28 +273,109 @@ class KnowledgeBase(Inference):
             return None
         return framed(self.page())
 
-    def proofs(
-        self, *, relation: Iterable[str] | None = None, evidence: bool = False, timeout: float = 300.0
-    ) -> dict[tuple[str, ...], Proof]:
-        """Return the shortest proof of all that holds, by the relation's name and its arguments.
-
-        With ``evidence`` the leaves have theirs, as :meth:`evidence` gives it. What is asked for, and what is
-        raised, is as for :meth:`relations`.
+    def consequences(
+        self, moves: Mapping[str, Sequence[float]], *, limit: int | None = None, timeout: float = 60.0
+    ) -> Consequences:
+        """Return the relations gained and lost if some things are moved by x, y, z metres, with reasons.
 
         Examples
         --------
         >>> from deixis._files import kb_dir
         >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
-        ...     kb.proofs(relation=["leans_on"])["leans_on", "extinguisher2", "wall"].axiom
-        37
+        ...     found = kb.consequences({"sweater": (0.0, 0.0, 0.1)})
+        >>> len(found.gained), [one.because for one in found.lost]
+        (0, ['The sweater is not on top of the electric heater (short by 8 cm).'])
         """
-        from deixis.explain import Proof
-        from deixis.prolog import Atom
+        from deixis.consequences import compared
 
-        names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
-        wanted: list[Any] = [[Atom(name), arity] for one in names for name, arity in self._predicates(one)]
-        found: Any = self.engine.call("proofs", *wanted, timeout=timeout)
-        proofs = [Proof.from_dict(one) for one in found]
-        if evidence:
-            proofs = self._gathering.gather(proofs)
-        return {(one.predicate, *map(str, one.args)): one for one in proofs}
+        with self.what_if(moves) as then:
+            before, after = self.relations(timeout=timeout), then.relations(timeout=timeout)
+            return compared(before, after, partial(then.why, timeout=timeout), limit)
+
+    def describe(
+        self,
+        *,
+        about: str | None = None,
+        view: str | None = None,
+        most: int = 6,
+        timeout: float = 60.0,
+    ) -> Description:
+        """Return the scene, or one thing of it, in a few sentences, with the relations each rests on.
+
+        Parameters
+        ----------
+        about : str, optional
+            Id of the one thing to speak of.
+        view : str, optional
+            Whose left and right; by default the first view's.
+        most : int
+            Sentences.
+        timeout : float
+            Seconds, for each engine.
+
+        Raises
+        ------
+        QueryError
+            Unknown thing or view.
+        QueryTimeout
+            It took longer than ``timeout`` seconds.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     print(kb.describe(about="sweater").text())
+        The sweater is on the electric heater.
+        """
+        from deixis.words import describe
+
+        names = partial(self._called, timeout=timeout)
+        return describe(self, names, about=about, view=view, most=most, timeout=timeout)
+
+    def say(self, question: str, *, view: str | None = None, timeout: float = 60.0) -> Reply:
+        """Return the answer to a question in plain English, such as ``what is on the table?``.
+
+        Parameters
+        ----------
+        question : str
+            One of the kinds in :data:`deixis.words.questions.PATTERNS`.
+        view : str, optional
+            Whose left and right, where the question does not say; by default the first view's.
+        timeout : float
+            Seconds, for each engine.
+
+        Raises
+        ------
+        QueryError
+            The question is none of the known kinds, or names what is not there.
+        QueryTimeout
+            It took longer than ``timeout`` seconds.
+
+        Examples
+        --------
+        >>> from deixis._files import kb_dir
+        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
+        ...     print(kb.say("What is on the heater?").text)
+        The sweater is on the electric heater.
+        """
+        from deixis.words import say
+
+        names = partial(self._called, timeout=timeout)
+        why, why_not = partial(self.why, timeout=timeout), partial(self.why_not, timeout=timeout)
+        return say(self, question, names, why, why_not, view=view, timeout=timeout)
+
+    def _called(self, view: str | None, timeout: float) -> Mapping[str, str]:
+        """Return what each thing is called in English; Prolog is asked only where a label does not tell."""
+        from deixis.words.nouns import plain_names
+
+        plain = plain_names(self.scene)
+        if self.language != "en" or len(set(plain.values())) == len(plain):
+            return plain
+        return self.names(view=view, timeout=timeout)
+
+
+def _relation(known: tuple[Known, float]) -> Relation:
+    """Return a conclusion as a relation; a third argument is taken for the view."""
+    ((name, arity), row), margin = known
+    told = rounded(margin if math.isfinite(margin) else None)
+    return Relation(name, row[0], row[1], row[2] if arity == 3 else None, told)

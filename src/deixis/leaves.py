@@ -15,7 +15,7 @@ import numpy as np
 from deixis.bounds import planes
 from deixis.boxes import align_with_world
 from deixis.evidence import Evidence, Plane, Point, Value, Witness, measured, threshold
-from deixis.explain import Answer, Proof, Refusal
+from deixis.explain import Answer, Contrast, Proof, Proofs, Refusal
 from deixis.facts import Facts, SolidModel
 from deixis.frames import AXES, HORIZONTAL, WORLD, Index
 from deixis.grounding import frame
@@ -27,7 +27,7 @@ _SAME: Final = 1.0e-12
 """Numbers nearer than this are the same one: a rule may have turned its sign round."""
 
 
-Explained = TypeVar("Explained", Proof, Answer, Refusal, Inspection)
+Explained = TypeVar("Explained", Proof, Proofs, Answer, Refusal, Contrast, Inspection)
 
 
 class _Subject(NamedTuple):
@@ -277,11 +277,16 @@ def with_evidence(gathering: Gathering, found: Explained) -> Explained:
     """Return what was explained with evidence on the leaves of all its proofs."""
     if isinstance(found, Proof):
         return gathering.gather([found])[0]
+    if isinstance(found, Proofs):
+        return replace(found, proofs=tuple(gathering.gather(found.proofs)))
     if isinstance(found, Answer):
         held = [one for one in (found.proof, found.nearest) if one is not None]
         told = iter(gathering.gather(held))
         proof = None if found.proof is None else next(told)
         return replace(found, proof=proof, nearest=None if found.nearest is None else next(told))
+    if isinstance(found, Contrast):
+        fact, other = with_evidence(gathering, found.fact), with_evidence(gathering, found.other)
+        return replace(found, fact=fact, other=other)
     if isinstance(found, Inspection):
         told = iter(gathering.gather([one.proof for one in found.violations if one.proof is not None]))
         violations = (

@@ -29,8 +29,8 @@ _MANY = 4
 def reground(before: Scene, facts: Facts, after: Scene) -> Facts:
     """Return the facts of a changed scene; the same as :func:`deixis.grounding.ground` would find.
 
-    Only the pairs of things that moved are measured again, and only the views that moved are looked from
-    again. A scene with other things or other thresholds is grounded from the start.
+    Only the pairs of things that moved or are new are measured, and only the views that moved are looked from
+    again. A scene with other thresholds is grounded from the start.
 
     Parameters
     ----------
@@ -47,21 +47,27 @@ def reground(before: Scene, facts: Facts, after: Scene) -> Facts:
     >>> len(reground(scene, facts, scene)) == len(facts)
     True
     """
-    names = tuple(thing.id for thing in after.objects)
-    if facts.ids != names or before.thresholds != after.thresholds:
+    if before.thresholds != after.thresholds:
         return ground(after, region=facts.region)
+    names = tuple(thing.id for thing in after.objects)
     boxes = after.boxes
-    moved = boxes.differs(before.boxes)
+    place = _places(facts.ids, names)
+    moved = np.ones(len(names), dtype=np.bool_)
+    stayed = np.flatnonzero(place >= 0)
+    same = place[stayed]
+    moved[same] = boxes.take(same).differs(before.boxes.take(stayed))
     if facts.region != "box":
         # Within one and the same box a mesh may be another, or turned over.
-        both = zip(before.objects, after.objects, strict=True)
-        moved |= np.array([not _alike(one.region, other.region) for one, other in both], dtype=np.bool_)
+        for old, new in zip(stayed.tolist(), same.tolist(), strict=True):
+            moved[new] |= not _alike(before.objects[old].region, after.objects[new].region)
     if _MANY * int(moved.sum()) > len(moved):
         return ground(after, region=facts.region)
-    pairs, origin = _pairs(facts, after, moved) if moved.any() else (facts.pairs, None)
+    changed = moved.any() or facts.ids != names
+    pairs, origin = _pairs(facts, after, moved, place) if changed else (facts.pairs, None)
     base = replace(
         facts,
         scene=after.id,
+        ids=names,
         labels=tuple(tuple((label.name, label.score) for label in thing.labels) for thing in after.objects),
         surface=boxes.surface,
         volume=boxes.volume(after.thresholds.granularity),
@@ -103,17 +109,30 @@ def _alike(one: Region, other: Region) -> bool:
     return isinstance(one, BoxRegion) and isinstance(other, BoxRegion)
 
 
-def _pairs(facts: Facts, after: Scene, moved: Mask) -> tuple[PairColumns, Index]:
+def _places(before: tuple[str, ...], after: tuple[str, ...]) -> Index:
+    """Return where each thing of before is now, -1 where it is gone."""
+    if before == after:
+        return np.arange(len(before))
+    positions = {name: at for at, name in enumerate(after)}
+    return np.array([positions.get(name, -1) for name in before], dtype=np.int64)
+
+
+def _pairs(facts: Facts, after: Scene, moved: Mask, place: Index) -> tuple[PairColumns, Index]:
     """Return the pair table of now, and for each row the row it was before, -1 for those measured anew."""
     old, boxes, limits = facts.pairs, after.boxes, after.thresholds
-    kept = np.flatnonzero(~(moved[old.figure] | moved[old.reference]))
+    figure, reference = place[old.figure], place[old.reference]
+    # What is gone is as good as moved: the last place says so.
+    fresh = np.append(moved, True)
+    kept = np.flatnonzero(~(fresh[figure] | fresh[reference]))
     candidates = candidates_of(boxes, limits, np.flatnonzero(moved))
     new = measure_scene_pairs(after, *candidates, facts.region)
     n = max(len(boxes), 1)
-    keys = np.concatenate([old.figure[kept] * n + old.reference[kept], new.figure * n + new.reference])
+    figure, reference = figure[kept], reference[kept]
+    keys = np.concatenate([figure * n + reference, new.figure * n + new.reference])
     order = np.argsort(keys, kind="stable")
     origin = np.concatenate([kept, np.full(len(new.figure), -1)])[order]
-    return old.at(kept).joined(new).at(order), origin
+    known = replace(old.at(kept), figure=figure, reference=reference)
+    return known.joined(new).at(order), origin
 
 
 def _again(

@@ -11,22 +11,21 @@ import difflib
 import json
 import os
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
 from deixis._files import write_whole
 from deixis.boxes import Boxes
 from deixis.errors import DeixisError, SceneError, ThresholdError
-from deixis.frames import WORLD, Array
+from deixis.frames import WORLD
 from deixis.pieces import Strays
 from deixis.regions import (
     BoxRegion,
-    Kind,
     MeshRegion,
     PointRegion,
     Region,
@@ -34,14 +33,11 @@ from deixis.regions import (
     SurfaceRegion,
     part_of,
     region_box,
-    region_values,
     turned_oddly,
 )
 from deixis.strict_json import parse, quoted, read_bytes
+from deixis.things import Label, SpatialObject, View, object_of, object_values, view_of, view_values
 from deixis.thresholds import Thresholds
-
-if TYPE_CHECKING:
-    from deixis.scene_format import ObjectPart, ViewPart
 
 __all__ = [
     "BoxRegion",
@@ -61,77 +57,6 @@ HUGE: Final = 1.0e4
 
 TINY: Final = 1.0e-3
 """Metres: where no thing is longer than this the unit is more likely kilometres."""
-
-
-@dataclass(frozen=True, slots=True)
-class Label:
-    """What a thing may be called, and how sure that is: ``score`` is from 0 to 1."""
-
-    name: str
-    score: float = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class SpatialObject:
-    """A thing or a surface with its region (sReg, axioms 1-3).
-
-    Attributes
-    ----------
-    id : str
-        Unique in its scene.
-    labels : tuple of Label
-        Best first; may be empty.
-    kind : "object" or "surface"
-        A surface is a wall, floor or ceiling: always a reference, never a figure.
-    region : Region
-    """
-
-    id: str
-    labels: tuple[Label, ...]
-    kind: Kind
-    region: Region
-
-    def __post_init__(self) -> None:
-        ranked = tuple(sorted(self.labels, key=lambda label: -label.score))
-        object.__setattr__(self, "labels", ranked)
-
-    @property
-    def label(self) -> str:
-        """Return the best label's name, or the empty string where there is none."""
-        return self.labels[0].name if self.labels else ""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class View:
-    """A pose the scene is seen from (F_r): the robot's or anyone's.
-
-    Attributes
-    ----------
-    id : str
-        Unique in its scene, and not ``world``.
-    label : str
-        Who looks, such as ``robot`` or ``you``; may be empty.
-    position : (3,) float
-        Metres, world frame.
-    heading : float
-        Radians from the world's X axis. No relation depends on it: F_r' faces the reference instead.
-    stamp : float or None
-        Seconds since the epoch of the recording.
-    """
-
-    id: str
-    label: str
-    position: Array
-    heading: float = 0.0
-    stamp: float | None = None
-
-    def __post_init__(self) -> None:
-        position = np.array(self.position, dtype=np.float64)
-        if position.shape != (3,) or not np.isfinite([*position, self.heading]).all():
-            raise SceneError(f"view {quoted(self.id)}: its pose is not finite: give x, y, z and a heading")
-        position.setflags(write=False)
-        object.__setattr__(self, "position", position)
-        object.__setattr__(self, "heading", float(self.heading))
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,8 +152,8 @@ class Scene:
             limits = Thresholds.of(parts.thresholds.model_dump(exclude_unset=True))
         except ThresholdError as cause:
             raise SceneError(f"scene {quoted(parts.id)}: {cause}") from cause
-        objects = tuple(_object(part, base) for part in parts.objects)
-        views = tuple(_view(part) for part in parts.views)
+        objects = tuple(object_of(part, base) for part in parts.objects)
+        views = tuple(view_of(part) for part in parts.views)
         scene = cls(parts.id, objects, views, limits, strays=parts.strays)
         object.__setattr__(scene, "diagnostics", (*diagnostics, *_oddities(scene)))
         return scene
@@ -236,14 +161,7 @@ class Scene:
     @cached_property
     def boxes(self) -> Boxes:
         """Return the minimum bounding boxes of the objects, in their order (axiom 10), surfaces marked."""
-        rows = self._rows
-        return Boxes(
-            np.array([row.center for row in rows], dtype=np.float64).reshape(-1, 3),
-            np.array([row.half for row in rows], dtype=np.float64).reshape(-1, 3),
-            np.array([row.yaw for row in rows], dtype=np.float64),
-            np.array([row.normal for row in rows], dtype=np.int64),
-            np.array([row.ambiguous for row in rows], dtype=np.bool_),
-        )
+        return _boxes(self._rows)
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:
@@ -254,17 +172,79 @@ class Scene:
 
     @cached_property
     def _rows(self) -> tuple[RegionBox, ...]:
-        rows = []
-        for thing in self.objects:
-            try:
-                rows.append(region_box(thing.region, thing.kind, self.thresholds, self.strays))
-            except DeixisError as cause:
-                raise SceneError(f"object {quoted(thing.id)}: {cause}") from cause
-        return tuple(rows)
+        return tuple(map(self._row, self.objects))
+
+    def _row(self, thing: SpatialObject) -> RegionBox:
+        try:
+            return region_box(thing.region, thing.kind, self.thresholds, self.strays)
+        except DeixisError as cause:
+            raise SceneError(f"object {quoted(thing.id)}: {cause}") from cause
 
     @cached_property
     def _positions(self) -> dict[str, int]:
         return {thing.id: position for position, thing in enumerate(self.objects)}
+
+    def changed(
+        self,
+        *,
+        objects: Iterable[SpatialObject] = (),
+        removed: Iterable[str] = (),
+        views: Iterable[View] | None = None,
+    ) -> Scene:
+        """Return the scene with some objects replaced, added or removed, at a cost of only those.
+
+        Parameters
+        ----------
+        objects : iterable of SpatialObject
+            They take the place of those with their ids; others are put at the end.
+        removed : iterable of str
+            Ids of objects that are there no more.
+        views : iterable of View, optional
+            All views from now on; by default those there are.
+
+        Raises
+        ------
+        SceneError
+            What is to be removed is not there, an object is given twice or is both given and removed, or a
+            region has no box.
+
+        Examples
+        --------
+        >>> box = BoxRegion([0, 0, 0.4], [1, 1, 0.8])
+        >>> scene = Scene("room", (SpatialObject("table", (), "object", box),))
+        >>> cup = SpatialObject("cup", (), "object", BoxRegion([0, 0, 0.85], [0.1, 0.1, 0.1]))
+        >>> [thing.id for thing in scene.changed(objects=[cup], removed=["table"]).objects]
+        ['cup']
+        """
+        gone = {self.index(name) for name in removed}
+        given = tuple(objects)
+        twice = next((name for name, times in Counter(one.id for one in given).items() if times > 1), None)
+        if twice is not None:
+            raise SceneError(f"object {quoted(twice)} is given more than once: leave out all but one")
+        rows = [self._row(thing) for thing in given]
+        # Where each object of the new scene comes from: those of before, then those given.
+        count = len(self.objects)
+        order = list(range(count))
+        for at, thing in enumerate(given):
+            position = self._positions.get(thing.id)
+            if position in gone:
+                raise SceneError(f"object {quoted(thing.id)} is both given and removed: leave out one")
+            if position is None:
+                order.append(count + at)
+            else:
+                order[position] = count + at
+        if gone:
+            order = [source for at, source in enumerate(order) if at not in gone]
+        things, kept = (*self.objects, *given), (*self._rows, *rows)
+        scene = Scene(
+            self.id, tuple([things[source] for source in order]),
+            self.views if views is None else tuple(views),
+            self.thresholds, self.diagnostics, self.strays,
+        )  # fmt: skip
+        # Known already: cached_property looks here first.
+        scene.__dict__["_rows"] = tuple([kept[source] for source in order])
+        scene.__dict__["boxes"] = self.boxes.joined(_boxes(rows)).take(np.array(order, dtype=np.int64))
+        return scene
 
     def index(self, name: str) -> int:
         """Return the position of the object with an id, or raise :class:`SceneError` with near misses."""
@@ -280,8 +260,8 @@ class Scene:
         result: dict[str, Any] = {"deixis": 1, "id": self.id}
         if self.strays != "drop":
             result["strays"] = self.strays
-        result["objects"] = [_object_values(thing) for thing in self.objects]
-        result["views"] = [_view_values(view) for view in self.views]
+        result["objects"] = [object_values(thing) for thing in self.objects]
+        result["views"] = [view_values(view) for view in self.views]
         defaults = dict(Thresholds().items())
         changed = {name: value for name, value in self.thresholds.items() if value != defaults[name]}
         return {**result, "thresholds": changed} if changed else result
@@ -314,41 +294,14 @@ def scene_schema() -> dict[str, Any]:
     return scene_format.scene_schema()
 
 
-def _object(part: ObjectPart, base: Path | None) -> SpatialObject:
-    given = part.model_fields_set
-    labels: tuple[Label, ...] = ()
-    if "label" in given:
-        labels = (Label(part.label),)
-    elif "labels" in given:
-        labels = tuple(Label(label.name, float(label.score)) for label in part.labels)
-    try:
-        region = _region(part, given, base)
-    except SceneError as cause:
-        raise SceneError(f"object {quoted(part.id)}: {cause}") from cause
-    return SpatialObject(part.id, labels, part.kind, region)
-
-
-def _region(part: ObjectPart, given: set[str], base: Path | None) -> Region:
-    from deixis.mesh_file import locate, read_geometry
-
-    if "box" in given:
-        return BoxRegion(np.array(part.box.center), np.array(part.box.size), part.box.yaw)
-    if "polygon" in given:
-        return SurfaceRegion(np.array(part.polygon))
-    if "points" in given:
-        if isinstance(part.points, str):
-            return PointRegion(read_geometry(locate(part.points, base))[0])
-        return PointRegion(np.array(part.points))
-    if isinstance(part.mesh, str):
-        return MeshRegion(*read_geometry(locate(part.mesh, base)))
-    return MeshRegion(np.array(part.mesh.vertices), np.array(part.mesh.faces))
-
-
-def _view(part: ViewPart) -> View:
-    given = part.model_fields_set
-    label = part.label if "label" in given else ""
-    stamp = float(part.stamp) if "stamp" in given else None
-    return View(part.id, label, np.array(part.position), part.heading, stamp)
+def _boxes(rows: Sequence[RegionBox]) -> Boxes:
+    return Boxes(
+        np.array([row.center for row in rows], dtype=np.float64).reshape(-1, 3),
+        np.array([row.half for row in rows], dtype=np.float64).reshape(-1, 3),
+        np.array([row.yaw for row in rows], dtype=np.float64),
+        np.array([row.normal for row in rows], dtype=np.int64),
+        np.array([row.ambiguous for row in rows], dtype=np.bool_),
+    )
 
 
 def _oddities(scene: Scene) -> list[str]:
@@ -366,23 +319,3 @@ def _oddities(scene: Scene) -> list[str]:
         notes.append(f"scene {quoted(scene.id)}: nothing is longer than 1 mm: is the unit kilometres?")
     turns = [(f"view {quoted(view.id)}: ", turned_oddly("heading", view.heading)) for view in scene.views]
     return notes + [name + note for name, note in turns if note]
-
-
-def _object_values(thing: SpatialObject) -> dict[str, Any]:
-    values: dict[str, Any] = {"id": thing.id}
-    if thing.kind != "object":
-        values["kind"] = thing.kind
-    if len(thing.labels) == 1 and thing.labels[0].score == 1.0:
-        values["label"] = thing.label
-    elif thing.labels:
-        values["labels"] = [{"name": label.name, "score": label.score} for label in thing.labels]
-    return values | region_values(thing.region)
-
-
-def _view_values(view: View) -> dict[str, Any]:
-    values: dict[str, Any] = {"id": view.id}
-    if view.label:
-        values["label"] = view.label
-    values["position"] = view.position.tolist()
-    values["heading"] = view.heading
-    return values if view.stamp is None else {**values, "stamp": view.stamp}

@@ -12,16 +12,9 @@ import typer
 from deixis import __version__
 from deixis.cli import rules as rules_commands
 from deixis.cli import serve as serve_command
-from deixis.cli.explanations import (
-    ExplanationFile,
-    ExplanationFormat,
-    ExplanationOption,
-    write_explanation,
-)
 from deixis.cli.output import (
     Format,
     RelationFormat,
-    printable,
     printable_lines,
     records,
     warn,
@@ -77,6 +70,8 @@ RuleFiles = Annotated[
     ),
 ]
 
+Language = Annotated[str, typer.Option("--lang", metavar="LANGUAGE", help="What sentences are in: en or de.")]
+
 _NAMED = 5
 """Things named in a message before it is cut short."""
 
@@ -97,6 +92,14 @@ class OntologyFormat(StrEnum):
     TTL = "ttl"
     OWL = "owl"
     NT = "nt"
+
+
+class Length(StrEnum):
+    """How much is told, as :data:`deixis.explain.Length`."""
+
+    BRIEF = "brief"
+    NORMAL = "normal"
+    FULL = "full"
 
 
 class TextOrJson(StrEnum):
@@ -121,11 +124,13 @@ def _options(
     pass
 
 
-def open_scene(scene: Path, region: Region, rules: list[Path] | None = None) -> KnowledgeBase:
+def open_scene(
+    scene: Path, region: Region, rules: list[Path] | None = None, language: str = "en"
+) -> KnowledgeBase:
     """Return the knowledge base of a scene file; say on stderr what its readers should know."""
     from deixis.knowledge import KnowledgeBase
 
-    kb = KnowledgeBase.from_scene(scene, rules=rules or (), region=region.value)
+    kb = KnowledgeBase.from_scene(scene, rules=rules or (), region=region.value, language=language)
     warn(kb.scene.diagnostics)
     if kb.box_only:
         some = ", ".join(kb.box_only[:_NAMED]) + (" ..." if len(kb.box_only) > _NAMED else "")
@@ -235,45 +240,23 @@ def ask(
 
 
 @app.command()
-def why(
-    scene: ScenePath,
-    goal: Annotated[str, typer.Argument(metavar="GOAL", help="A relation, e.g. 'leans_on(ladder, wall)'.")],
-    region: RegionOption = Region.BOX,
-    output: ExplanationOption = ExplanationFormat.TEXT,
-    to: ExplanationFile = None,
-    timeout: Seconds = 10.0,
-    rules: RuleFiles = None,
-) -> None:
-    """Explain why a relation holds, down to the measured numbers; exit code 1 when it does not hold."""
-    with open_scene(scene, region, rules) as kb:
-        answer = kb.why(goal, timeout=timeout)
-        if output is not ExplanationFormat.TEXT:
-            answer = kb.evidence(answer)
-    said = (
-        f"No: {printable(answer.text)}." if answer.proof is None else printable_lines(answer.proof.outline())
-    )
-    write_explanation(answer, {"goal": goal, **answer.to_dict()}, said, goal, output, to)
-    if answer.proof is None:
-        raise typer.Exit(1)
-
-
-@app.command()
 def shell(
     scenes: Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files.")],
     region: RegionOption = Region.BOX,
     rules: RuleFiles = None,
+    lang: Language = "en",
 ) -> None:
     """Open SWI-Prolog with scenes and the rules loaded.
 
-    At its prompt also: objects, axioms, help(on_top_of), why(GOAL), why_not(GOAL), view(V). With several
-    scenes each id has the id of its scene and _ in front: cup of the scene hall is hall_cup.
+    At its prompt also: objects, axioms, help(on_top_of), why(GOAL), why_not(GOAL), contrast(GOAL, OTHER),
+    view(V). With several scenes each id has the id of its scene and _ in front: hall_cup is cup of hall.
     """
     from deixis._files import theory_files
     from deixis.prolog.shell import exec_shell
 
     opened = [open_scene(scene, region, rules) for scene in scenes]
     grounded = [(kb.facts, [(view.id, view.label) for view in kb.scene.views]) for kb in opened]
-    exec_shell([*theory_files(), *opened[0].rule_files], grounded, opened[0].tabled)
+    exec_shell([*theory_files(lang), *opened[0].rule_files], grounded, opened[0].tabled)
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""Commands that ask why not, what is wrong, and what would be if things stood elsewhere."""
+"""Commands that ask why, why not, what is wrong, and what would be if things stood elsewhere."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import typer
 
 from deixis.cli.commands import (
     EngineName,
+    Language,
+    Length,
     Region,
     RegionOption,
     RuleFiles,
@@ -27,8 +29,42 @@ from deixis.cli.output import printable, printable_lines, warn, write_json
 from deixis.errors import QueryError
 
 if TYPE_CHECKING:
-    from deixis.knowledge import KnowledgeBase
-    from deixis.relations import Relation
+    from deixis.explain import Answer, Proofs
+
+
+@app.command()
+def why(
+    scene: ScenePath,
+    goal: Annotated[str, typer.Argument(metavar="GOAL", help="A relation, e.g. 'leans_on(ladder, wall)'.")],
+    region: RegionOption = Region.BOX,
+    output: ExplanationOption = ExplanationFormat.TEXT,
+    to: ExplanationFile = None,
+    length: Annotated[
+        Length, typer.Option(help="The reason that decides it; an outline; every step with its evidence.")
+    ] = Length.NORMAL,
+    every: Annotated[
+        bool, typer.Option("--all", help="All proofs, the best first, not only that one.")
+    ] = False,
+    limit: Annotated[int, typer.Option(min=1, help="With --all: at most this many.")] = 20,
+    timeout: Seconds = 10.0,
+    rules: RuleFiles = None,
+    lang: Language = "en",
+) -> None:
+    """Explain why a relation holds, down to the measured numbers; exit code 1 when it does not hold."""
+    with open_scene(scene, region, rules, lang) as kb:
+        found = kb.why_all(goal, limit=limit, timeout=timeout) if every else None
+        told: Answer | Proofs
+        if found:
+            told = kb.evidence(found) if output is not ExplanationFormat.TEXT else found
+        else:
+            answer = kb.why(goal, timeout=timeout)
+            told = kb.evidence(answer) if output is not ExplanationFormat.TEXT else answer
+    said = printable_lines(told.told(length.value))
+    write_explanation(told, {"goal": goal, **told.to_dict()}, said, goal, output, to)
+    if found and found.truncated:
+        warn([f"there are more proofs than the {limit} printed"])
+    if not told:
+        raise typer.Exit(1)
 
 
 @app.command(name="why-not")
@@ -42,20 +78,17 @@ def why_not(
     to: ExplanationFile = None,
     timeout: Seconds = 10.0,
     rules: RuleFiles = None,
+    lang: Language = "en",
 ) -> None:
     """Say what keeps a relation from holding: of each rule what fails, the nearest first.
 
     Exit codes: 0 it does not hold, 1 it does, 2 the question is wrong.
     """
-    with open_scene(scene, region, rules) as kb:
+    with open_scene(scene, region, rules, lang) as kb:
         found = kb.why_not(goal, timeout=timeout)
         if output is not ExplanationFormat.TEXT:
             found = kb.evidence(found)
-    others = (
-        f"Nor by {miss.derivation.rule_place()}: {printable(' and '.join(miss.obstacles))}."
-        for miss in found.misses[1:]
-    )
-    said = "\n".join([printable(found.sentence()), *others])
+    said = "\n".join(map(printable, [found.sentence(), *found.others()]))
     write_explanation(found, {"goal": goal, **found.to_dict()}, said, goal, output, to)
     if found.holds:
         raise typer.Exit(1)
@@ -67,19 +100,22 @@ def contrast(
     goal: Annotated[str, typer.Argument(metavar="GOAL", help="A relation that holds.")],
     rather_than: Annotated[str, typer.Option(metavar="GOAL", help="One that does not.")],
     region: RegionOption = Region.BOX,
+    output: Annotated[TextOrJson, typer.Option("--format", help="How to print it.")] = TextOrJson.TEXT,
     timeout: Seconds = 10.0,
     rules: RuleFiles = None,
+    lang: Language = "en",
 ) -> None:
     """Say why one relation holds rather than another, in a sentence.
 
     Exit codes: 0 the one holds and the other does not, 1 otherwise, 2 the question is wrong.
     """
-    from deixis.explain import contrast as told
-
-    with open_scene(scene, region, rules) as kb:
-        fact, other = kb.why(goal, timeout=timeout), kb.why_not(rather_than, timeout=timeout)
-    print(printable(told(fact, other)))
-    if not fact or other.holds:
+    with open_scene(scene, region, rules, lang) as kb:
+        found = kb.contrast(goal, rather_than, timeout=timeout)
+    if output is TextOrJson.JSON:
+        write_json({"goal": goal, "rather_than": rather_than, **found.to_dict()})
+    else:
+        print(printable(found.sentence()))
+    if not found:
         raise typer.Exit(1)
 
 
@@ -96,13 +132,14 @@ def check(
     to: ExplanationFile = None,
     brief: Annotated[bool, typer.Option("--brief", help="Without reasons: needs no SWI-Prolog.")] = False,
     timeout: Seconds = 60.0,
+    lang: Language = "en",
 ) -> None:
     """List what breaks the rules of safety, or your own, each with its reasons.
 
     Without --rules it checks the shipped rules of safety. Exit codes: 0 no violation, 1 there are violations,
     2 error, 3 time-out.
     """
-    with open_scene(scene, region, rules) as kb:
+    with open_scene(scene, region, rules, lang) as kb:
         found = kb.check(view=view, engine=engine.value, reasons=not brief, timeout=timeout)
         if output is not ExplanationFormat.TEXT:
             found = kb.evidence(found)
@@ -159,30 +196,22 @@ def what_if(
     output: Annotated[TextOrJson, typer.Option("--format", help="How to print them.")] = TextOrJson.TEXT,
     timeout: Seconds = 60.0,
     rules: RuleFiles = None,
+    lang: Language = "en",
 ) -> None:
     """Print the relations gained and lost if things stood elsewhere, each with its reason.
 
     Exit codes: 0 something would change, 1 nothing would, 2 the question is wrong.
     """
     moves = dict(map(_move, move))
-    with open_scene(scene, region, rules) as kb, kb.what_if(moves) as then:
-        before = {(one.relation, one.figure, one.reference, one.view): one for one in kb.relations()}
-        after = {(one.relation, one.figure, one.reference, one.view): one for one in then.relations()}
-        gained = [_told(one, then, timeout) for key, one in after.items() if key not in before]
-        lost = [_told(one, then, timeout) for key, one in before.items() if key not in after]
+    with open_scene(scene, region, rules, lang) as kb:
+        found = kb.consequences(moves, timeout=timeout)
     if output is TextOrJson.JSON:
-        write_json(
-            {
-                "moves": {thing: list(offset) for thing, offset in moves.items()},
-                "gained": gained,
-                "lost": lost,
-            }
-        )
+        write_json({"moves": {thing: list(offset) for thing, offset in moves.items()}, **found.to_dict()})
     else:
-        for sign, some in (("+", gained), ("-", lost)):
+        for sign, some in (("+", found.gained), ("-", found.lost)):
             for one in some:
-                print(f"{sign} {printable(one['because'])}")
-    if not (gained or lost):
+                print(f"{sign} {printable(one.because)}")
+    if not found:
         warn(["nothing would change"])
         raise typer.Exit(1)
 
@@ -195,12 +224,3 @@ def _move(text: str) -> tuple[str, tuple[float, float, float]]:
     except ValueError:
         raise QueryError(f"{text!r} is no move: write THING=X,Y,Z in metres, such as cup=0,0,-0.04") from None
     return thing, (x, y, z)
-
-
-def _told(one: Relation, then: KnowledgeBase, timeout: float) -> dict[str, object]:
-    """Return a relation with the reason why it holds, or not, in the world of then."""
-    from deixis.explain import as_sentence
-
-    answer = then.why(one.to_prolog(), timeout=timeout)
-    because = as_sentence(answer.text) if answer.proof is None else answer.proof.sentence()
-    return {**one.to_dict(), "because": because}

@@ -39,9 +39,16 @@ def serve(
     memory: Annotated[int, typer.Option(min=64, help="MiB a question may take beside the data.")] = 1024,
 ) -> None:
     """Serve scenes over HTTP: SPARQL at /sparql, graphs at /graphs, JSON at /scenes."""
+    from deixis.errors import MissingDependency
     from deixis.server import Limits, Settings
-    from deixis.server.serve import serve as run
 
+    try:
+        from deixis.server.serve import serve as run
+    except ModuleNotFoundError as error:
+        missing = (error.name or "").partition(".")[0]
+        if missing in ("", "deixis"):
+            raise
+        raise MissingDependency(f"deixis serve needs {missing}: pip install 'deixis[server]'") from None
     limits = Limits(timeout=timeout, rows=rows, memory=memory << 20)
     hosts, origins = tuple(allow_host or ()), tuple(cors or ())
     print(f"deixis: serving http://{host}:{port}/sparql and /scenes; stop with Ctrl-C", file=sys.stderr)

@@ -131,9 +131,9 @@ perform(call(Operation, Arguments), Result) :-
 %   Module files are imported into `question`, others define their predicates there: so a rule file
 %   needs no header to see the whole vocabulary, and a question sees what the files offer.
 
-%   Only what breaks a rule may be said by several files.
+%   Only what breaks a rule, and how things are put in words, may be said by several files.
 
-:- multifile question:violation/2, question:violation/3.
+:- multifile question:violation/2, question:violation/3, question:says/3.
 
 load_rules(File) :-
     catch(load_files(question:File, [if(not_loaded), must_be_module(false)]),

@@ -13,40 +13,55 @@ Operations of the bridge, each one request and one JSON reply.
 %   nothing in the scene are reported instead.
 
 bridge:operation(why, [Text], Reply) :-
-    questions:question(Text, Goal, _),
-    one_relation(Goal),
+    asked(Text, Goal),
+    (   stranger(Goal, Name)
+    ->  Reply = _{ unknown: Name }
+    ;   reason(Goal, Reply)
+    ).
+
+reason(Goal, Reply) :-
     (   explain:best_proof(question:Goal, Node)
-    ->  verbalise:node_dict(Node, Proof),
+    ->  outline:node_dict(Node, Proof),
         verbalise:node_text(Node, Sentence),
         Reply = _{ proof: Proof, nearest: null, text: Sentence }
-    ;   stranger(Goal, Name)
-    ->  atom_string(Name, Stranger),
-        Reply = _{ unknown: Stranger }
     ;   explain:refusal(question:Goal, Node),
         Node = node(_, _, _, _, Near),
         verbalise:node_text(Node, Sentence0),
         (   verbalise:hindrance(Goal, Hindrance)
-        ->  format(string(Sentence), "~s; ~s", [Sentence0, Hindrance])
+        ->  words:saying(hindered, [Sentence0, Hindrance], Sentence)
         ;   Sentence = Sentence0
         ),
         (   Near = [Miss]
-        ->  verbalise:node_dict(Miss, Nearest)
+        ->  outline:node_dict(Miss, Nearest)
         ;   Nearest = null
         ),
         Reply = _{ proof: null, nearest: Nearest, text: Sentence }
     ).
 
+%   why_all(Text, Most): at most that many proofs, the best first, and whether there are more.
+
+bridge:operation(why_all, [Text, Most], Reply) :-
+    asked(Text, Goal),
+    (   stranger(Goal, Name)
+    ->  Reply = _{ unknown: Name }
+    ;   explain:all_proofs(question:Goal, Most, Nodes, More),
+        maplist(outline:node_dict, Nodes, Proofs),
+        Reply = _{ proofs: Proofs, truncated: More }
+    ).
+
 %   why_not(Text): whether the goal holds and, if it does not, what keeps each rule from concluding it.
 
 bridge:operation(why_not, [Text], Reply) :-
-    questions:question(Text, Goal, _),
-    one_relation(Goal),
+    asked(Text, Goal),
+    (   stranger(Goal, Name)
+    ->  Reply = _{ unknown: Name }
+    ;   no_reason(Goal, Reply)
+    ).
+
+no_reason(Goal, Reply) :-
     (   explain:best_proof(question:Goal, Node)
     ->  verbalise:node_text(Node, Sentence),
         Reply = _{ holds: true, text: Sentence, misses: [], hindrance: null }
-    ;   stranger(Goal, Name)
-    ->  atom_string(Name, Stranger),
-        Reply = _{ unknown: Stranger }
     ;   verbalise:denied_text(Goal, Sentence),
         (   verbalise:hindrance(Goal, Hindrance) -> true ; Hindrance = null ),
         explain:misses(question:Goal, Nodes),
@@ -55,8 +70,37 @@ bridge:operation(why_not, [Text], Reply) :-
     ).
 
 miss(Node, _{ derivation: Dict, obstacles: Texts }) :-
-    verbalise:node_dict(Node, Dict),
+    outline:node_dict(Node, Dict),
     verbalise:obstacles(Node, Texts).
+
+%   contrast(Text, Other): why the one holds, why the other does not, and both in a sentence.
+
+bridge:operation(contrast, [Text, Other], Reply) :-
+    asked(Text, Goal),
+    asked(Other, OtherGoal),
+    (   ( stranger(Goal, Name) ; stranger(OtherGoal, Name) )
+    ->  Reply = _{ unknown: Name }
+    ;   reason(Goal, Fact),
+        no_reason(OtherGoal, Refusal),
+        explain:opposed(question:Goal, question:OtherGoal, Sentence),
+        Reply = _{ fact: Fact, other: Refusal, text: Sentence }
+    ).
+
+%   words(): the small words of the language that is spoken.
+
+bridge:operation(words, [], Reply) :-
+    words:language(Language),
+    findall(Name-Text,
+            ( member(Name, [because, and, no, nor, closest, margin, axiom, fails]),
+              Language:connective(Name, Words),
+              atom_string(Words, Text)
+            ),
+            Pairs),
+    dict_pairs(Reply, _, Pairs).
+
+asked(Text, Goal) :-
+    questions:question(Text, Goal, _),
+    one_relation(Goal).
 
 one_relation(Goal) :-
     functor(Goal, Name, Arity),
@@ -65,16 +109,17 @@ one_relation(Goal) :-
     ;   throw(bridge(query, "ask for the reasons of one relation, such as on_top_of(cup, table)", []))
     ).
 
-%   stranger(+Goal, -Name): an argument of a spoken or base relation that is no thing and no view here.
+%   stranger(+Goal, -Text): an argument of a spoken or base relation that is no thing and no view here.
 
-stranger(Goal, Name) :-
+stranger(Goal, Text) :-
     functor(Goal, Functor, Arity),
     once(( axioms:relation(Functor/Arity) ; axioms:base(Functor/Arity) )),
     arg(_, Goal, Name),
     atom(Name),
     \+ facts:spatial_obj(Name),
     \+ facts:viewpoint(Name),
-    !.
+    !,
+    atom_string(Name, Text).
 
 %   margins([Name, Arity], ...): all answers of these predicates, each with its margin, as rows
 %   [Name, Argument ..., Margin]; the margin is null where no length is involved.
@@ -113,4 +158,14 @@ proved(Name, Arity, Proof) :-
     functor(Goal, Name, Arity),
     distinct_answer(Goal),
     explain:best_proof(question:Goal, Node),
-    verbalise:node_dict(Node, Proof).
+    outline:node_dict(Node, Proof).
+
+%   names(View), names(): what each thing is called, as rows [Thing, Name]; from View, or whoever looks.
+
+bridge:operation(names, Views, Rows) :-
+    (   Views = [View]
+    ->  true
+    ;   View = any
+    ),
+    naming:names(View, Pairs),
+    findall([Id, Name], ( member(Thing-Name, Pairs), atom_string(Thing, Id) ), Rows).

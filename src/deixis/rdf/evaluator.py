@@ -205,12 +205,25 @@ class Evaluator:
             raise QueryError(f"the update failed: {error}") from None
         return self._own(fixed)
 
-    def put(self, name: str | None, data: bytes, form: str, *, replace: bool, base: str) -> bytes:
-        """Write a graph, and return all that is not a scene's, as N-Quads; see :meth:`update`."""
+    def put(self, name: str | None, parts: Sequence[tuple[str, bytes]], *, replace: bool, base: str) -> bytes:
+        """Write a graph, of parts by their formats; return all that is not a scene's, as N-Quads.
+
+        Raises
+        ------
+        QueryError
+            A part is not well formed, or names graphs of its own.
+        Refused
+            It would change what follows from a scene.
+        """
         fixed = self._scene_quads()
         graph = ox.DefaultGraph() if name is None else _node(name)
         try:
-            quads = list(ox.parse(data, format=GRAPHS[form], base_iri=base))
+            # The same label in two texts means two nodes.
+            quads = [
+                quad
+                for form, data in parts
+                for quad in ox.parse(data, format=GRAPHS[form], base_iri=base, rename_blank_nodes=True)
+            ]
         except (SyntaxError, ValueError) as error:
             raise QueryError(f"the graph is not well formed: {_told(error)}") from None
         if any(not isinstance(quad.graph_name, ox.DefaultGraph) for quad in quads):

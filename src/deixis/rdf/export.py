@@ -25,7 +25,7 @@ from deixis.rdf.names import SceneNames
 from deixis.rdf.oxigraph import ox
 from deixis.rdf.quads import GraphWriter, in_order
 from deixis.rdf.relations import names_of, relation_names, write_relations
-from deixis.rdf.scene import write_named, write_things
+from deixis.rdf.scene import write_identity, write_named, write_things
 from deixis.strict_json import quoted
 
 
@@ -71,12 +71,18 @@ def quads(kb: Knowledge, *, proofs: bool = True, view: str | None = None) -> lis
 
 
 def relation_quads(kb: Knowledge, found: Sequence[Holds]) -> list[ox.Quad]:
-    """Return some relations as quads, in order: the relations, what they hold of, and their margins."""
+    """Return some relations as quads, in order: the relations, what they hold of, and their margins.
+
+    Where there are none, it is still said of which scene.
+    """
     names = names_of(kb)
-    scene, derivations = GraphWriter(names.scene), GraphWriter(names.derivations)
+    scene, metadata, derivations = (
+        GraphWriter(graph) for graph in (names.scene, names.metadata, names.derivations)
+    )
+    write_identity(metadata, kb.scene, names)
     write_named(scene, kb.scene, names, {name for one in found for name in (one.figure, one.reference)})
     write_derivations(derivations, found, names)
-    return _joined([scene, derivations], found, names)
+    return _joined([scene, metadata, derivations], found, names)
 
 
 def nquads(kb: Knowledge, *, proofs: bool = True) -> bytes:
@@ -125,6 +131,7 @@ def serialised(found: Iterable[ox.Quad], form: str, names: SceneNames) -> bytes:
     prefixes = names.prefixes() if form in ("trig", "ttl") else None
     text = ox.serialize(given, format=FORMATS[form], prefixes=prefixes)
     assert text is not None  # noqa: S101 - None is for output to a file
+    text = text.rstrip(b"\n") + b"\n"
     return text if prefixes is None else _tidied(text)
 
 

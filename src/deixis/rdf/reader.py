@@ -144,6 +144,8 @@ def _scene(said: _Statements, node: str) -> Scene:
     if limits is not None:
         given = {name: said.maybe_number(limits, TERM + iri) for name, iri in THRESHOLDS.items()}
         data["thresholds"] = {name: value for name, value in given.items() if value is not None}
+    elif not data["objects"] and not data["views"]:
+        raise ReaderError(f"{node} has a name and no things: `deixis export` writes what can be read back")
     return Scene.from_dict(data)
 
 

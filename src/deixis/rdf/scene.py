@@ -50,10 +50,15 @@ def write_named(to: GraphWriter, scene: Scene, names: SceneNames, some: Collecti
             _named(to, names.thing(thing.id), thing)
 
 
-def write_scene(to: GraphWriter, scene: Scene, names: SceneNames) -> None:
-    """Write what a scene is called, its thresholds, and from where it is seen."""
+def write_identity(to: GraphWriter, scene: Scene, names: SceneNames) -> None:
+    """Write that there is a scene, and what it is called."""
     to.typed(names.scene, TERM + "Scene")
     to.text(names.scene, IDENTIFIER, scene.id)
+
+
+def write_scene(to: GraphWriter, scene: Scene, names: SceneNames) -> None:
+    """Write what a scene is called, its thresholds, and from where it is seen."""
+    write_identity(to, scene, names)
     to.text(names.scene, TERM + "strays", scene.strays)
     to.link(names.scene, TERM + "thresholds", names.thresholds)
     to.typed(names.thresholds, TERM + "Thresholds")

@@ -26,9 +26,10 @@ def explanation_schema() -> Schema:
         "$id": SCHEMA_ID,
         "title": "Deixis explanation",
         "description": "Why a relation holds, why it does not, or which rules a scene breaks.",
-        "anyOf": [{"$ref": f"#/$defs/{name}"} for name in ("answer", "refusal", "inspection")],
+        "anyOf": [{"$ref": f"#/$defs/{name}"} for name in ("answer", "proofs", "refusal", "inspection")],
         "$defs": {
             "answer": _answer(),
+            "proofs": _proofs(),
             "refusal": _refusal(),
             "miss": _miss(),
             "inspection": _inspection(),
@@ -80,6 +81,19 @@ def _answer() -> Schema:
                 "step", "What comes closest, where it does not; null where nothing within reach does."
             ),
             "measured_as": _ref("models", "What each thing spoken of was measured as."),
+        },
+        optional=("goal",),
+    )
+
+
+def _proofs() -> Schema:
+    return _closed(
+        "All proofs of something, the best first.",
+        {
+            "goal": _text("What was asked."),
+            "holds": {"type": "boolean", "description": "Whether it does."},
+            "proofs": {"type": "array", "items": {"$ref": "#/$defs/step"}},
+            "truncated": {"type": "boolean", "description": "Whether there are more than were asked for."},
         },
         optional=("goal",),
     )

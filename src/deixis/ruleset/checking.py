@@ -13,7 +13,18 @@ from deixis.errors import RuleError
 from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.graph import Graph
 from deixis.ruleset.kinds import Kinds, lengths
-from deixis.ruleset.model import VIOLATIONS, Indicator, Kind, Place, Problem, Rule, RuleFile, atoms, shown
+from deixis.ruleset.model import (
+    SAYS,
+    VIOLATIONS,
+    Indicator,
+    Kind,
+    Place,
+    Problem,
+    Rule,
+    RuleFile,
+    atoms,
+    shown,
+)
 from deixis.ruleset.reading import read_file
 from deixis.ruleset.reserved import reserved
 from deixis.ruleset.safety import unsafe
@@ -174,6 +185,8 @@ def _taken(user: Sequence[RuleFile], owners: dict[Indicator, str]) -> Iterator[P
         told = set()
         places = [*file.declared, *((rule.head.predicate, rule.place) for rule in file.rules)]
         for predicate, place in places:
+            if predicate == SAYS:
+                continue
             if predicate in VIOLATIONS:
                 if file.module is not None and predicate not in told:
                     told.add(predicate)

@@ -22,6 +22,9 @@ r"""Comparisons of names or strings, all of them bound: so ``=`` is ``==`` and `
 VIOLATIONS: Final = frozenset({("violation", 2), ("violation", 3)})
 """Predicates that several files of the user's may define together: what breaks which rule (decision 0020)."""
 
+SAYS: Final = ("says", 3)
+"""What several files may state too: how their predicates are put in words (decision 0034)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Place:

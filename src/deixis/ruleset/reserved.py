@@ -10,7 +10,7 @@ from deixis.ruleset.clauses import Clause, Lines, clauses
 from deixis.ruleset.model import Indicator
 from deixis.ruleset.syntax import Raw, SyntaxProblem, read_clause
 
-PROLOG_ONLY = ("axioms", "verbalise", "explain")
+PROLOG_ONLY = ("axioms", "explain")
 """Files of the theory that are ordinary Prolog, outside the subset; what they export is taken."""
 
 SHELL = ("shell", "guess", "manual")

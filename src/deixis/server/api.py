@@ -2,117 +2,56 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from fastapi import APIRouter, Query, Request, Response
 from fastapi.responses import HTMLResponse
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ValidationError
 
 from deixis.errors import MissingDependency
 from deixis.server import incoming
 from deixis.server.dataset import Dataset
 from deixis.server.problems import Problem
 from deixis.server.settings import Settings
+from deixis.server.told import (
+    MOST_A_PAGE,
+    MOST_REASONS,
+    AnswerTold,
+    Bindings,
+    ChangeTold,
+    ConsequencesTold,
+    ContrastTold,
+    Goal,
+    Moves,
+    NamesTold,
+    ProofsTold,
+    RelationPage,
+    SceneList,
+    SceneTold,
+    ThingList,
+    WhyNotTold,
+)
 from deixis.view import policy_of
 
-MOST_A_PAGE = 10_000
-"""Relations or answers on one page."""
+Model = TypeVar("Model", bound=BaseModel)
+
+GoalAsked = Annotated[str, Query(max_length=4096, description="A relation, as `leans_on(ladder, wall)`.")]
 
 
-class ViewTold(BaseModel):
-    """A pose the scene is seen from."""
-
-    id: str
-    label: str
-
-
-class SceneTold(BaseModel):
-    """A scene that is served."""
-
-    id: str
-    objects: int = Field(description="How many things it has.")
-    views: list[ViewTold]
-    notes: list[str] = Field(description="What was found odd when it was loaded.")
-    graphs: dict[str, str] = Field(description="The named graphs it has in SPARQL.")
+def _described(kind: type[BaseModel]) -> dict[str, Any]:
+    """Describe a body: FastAPI would read one of any size, ours is read with bounds."""
+    schema = kind.model_json_schema()
+    return {"requestBody": {"required": True, "content": {"application/json": {"schema": schema}}}}
 
 
-class SceneList(BaseModel):
-    """All scenes."""
-
-    scenes: list[SceneTold]
-
-
-class LabelTold(BaseModel):
-    """What a thing may be called."""
-
-    name: str
-    score: float
-
-
-class BoxTold(BaseModel):
-    """A box: metres, and radians about the vertical."""
-
-    center: list[float]
-    size: list[float]
-    yaw: float
-
-
-class ThingTold(BaseModel):
-    """A thing or a surface."""
-
-    id: str
-    kind: str
-    labels: list[LabelTold]
-    box: BoxTold
-
-
-class ThingList(BaseModel):
-    """All things of a scene."""
-
-    objects: list[ThingTold]
-
-
-class RelationTold(BaseModel):
-    """A relation that holds, and the metres by which a length would have to change for it to cease."""
-
-    relation: str
-    figure: str
-    reference: str
-    view: str | None
-    margin: float | None
-
-
-class WithheldTold(BaseModel):
-    """A view that says nothing of the sides of a reference, and why."""
-
-    view: str
-    reference: str
-    reason: str
-
-
-class RelationPage(BaseModel):
-    """Relations, a page of them."""
-
-    relations: list[RelationTold]
-    total: int
-    next: str | None = Field(description="The cursor of the next page; null on the last.")
-    withheld: list[WithheldTold]
-
-
-class Goal(BaseModel):
-    """A question in the Datalog subset of the rule files."""
-
-    goal: str = Field(examples=["on_top_of(X, Y), \\+ touches(X, wall)"], max_length=4096)
-    limit: int = Field(1000, ge=1, le=MOST_A_PAGE)
-
-
-class Bindings(BaseModel):
-    """Answers to a goal."""
-
-    goal: str
-    holds: bool
-    bindings: list[dict[str, str | float]]
-    truncated: bool = Field(description="Whether there are more than were asked for.")
+async def _taken(kind: type[Model], request: Request, settings: Settings) -> Model:
+    """Return the body of a request, read with bounds and checked."""
+    body = await incoming.body_of(request, settings, settings.limits.text)
+    try:
+        return kind.model_validate_json(body)
+    except ValidationError as error:
+        text = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors()[:5])
+        raise Problem(422, text.removeprefix(": ")) from None
 
 
 def api(dataset: Dataset, settings: Settings) -> APIRouter:
@@ -173,16 +112,57 @@ def api(dataset: Dataset, settings: Settings) -> APIRouter:
         }  # fmt: skip
         return RelationPage(**await dataset.reason(scene, "relations", given))
 
-    @router.post("/{scene}/ask")
-    async def ask(scene: str, goal: Goal) -> Bindings:
+    @router.post("/{scene}/ask", openapi_extra=_described(Goal))
+    async def ask(scene: str, request: Request) -> Bindings:
         """Answer a goal of the Datalog subset: relations, comparisons and their negation."""
+        goal = await _taken(Goal, request, settings)
         given = {"goal": goal.goal, "limit": goal.limit, "timeout": settings.limits.timeout}
         return Bindings(**await dataset.reason(scene, "ask", given))
 
+    timeout = settings.limits.timeout
+
+    @router.get("/{scene}/names")
+    async def names(
+        scene: str, view: Annotated[str | None, Query(description="From this view.")] = None
+    ) -> NamesTold:
+        """Return what each thing is called: a phrase that picks out it and no other."""
+        return NamesTold(**await dataset.reason(scene, "called", {"view": view, "timeout": timeout}))
+
     @router.get("/{scene}/why")
-    async def why(scene: str, goal: Annotated[str, Query(max_length=4096)]) -> dict[str, Any]:
-        """Return the proof of a relation, as `leans_on(ladder, wall)`, or how far it is from holding."""
-        return await dataset.reason(scene, "why", {"goal": goal, "timeout": settings.limits.timeout})
+    async def why(scene: str, goal: GoalAsked) -> AnswerTold:
+        """Return the proof of a relation with its evidence, or how far it is from holding."""
+        return AnswerTold(**await dataset.reason(scene, "why", {"goal": goal, "timeout": timeout}))
+
+    @router.get("/{scene}/why-all")
+    async def why_all(
+        scene: str, goal: GoalAsked, limit: Annotated[int, Query(ge=1, le=MOST_REASONS)] = 20
+    ) -> ProofsTold:
+        """Return all proofs of a relation, the best first."""
+        given = {"goal": goal, "limit": limit, "timeout": timeout}
+        return ProofsTold(**await dataset.reason(scene, "why_all", given))
+
+    @router.get("/{scene}/why-not")
+    async def why_not(scene: str, goal: GoalAsked) -> WhyNotTold:
+        """Return what keeps each rule from concluding a relation, the nearest first."""
+        return WhyNotTold(**await dataset.reason(scene, "why_not", {"goal": goal, "timeout": timeout}))
+
+    @router.get("/{scene}/contrast")
+    async def contrast(scene: str, goal: GoalAsked, rather_than: GoalAsked) -> ContrastTold:
+        """Return why one relation holds rather than another."""
+        given = {"goal": goal, "rather_than": rather_than, "timeout": timeout}
+        return ContrastTold(**await dataset.reason(scene, "contrast", given))
+
+    @router.get("/{scene}/change")
+    async def change(scene: str, goal: GoalAsked) -> ChangeTold:
+        """Return the smallest move of a relation's figure that makes it hold, or cease to; verified."""
+        return ChangeTold(**await dataset.reason(scene, "change", {"goal": goal}))
+
+    @router.post("/{scene}/what-if", openapi_extra=_described(Moves))
+    async def what_if(scene: str, request: Request) -> ConsequencesTold:
+        """Return the relations gained and lost if things stood elsewhere, each with its reason."""
+        moves = await _taken(Moves, request, settings)
+        given = {"moves": moves.moves, "limit": moves.limit, "timeout": timeout}
+        return ConsequencesTold(**await dataset.reason(scene, "what_if", given))
 
     @router.get("/{scene}/view", response_class=HTMLResponse)
     async def view(scene: str) -> HTMLResponse:

@@ -85,7 +85,8 @@ def create_app(settings: Settings, scenes: Mapping[str, bytes]) -> FastAPI:
     protocol, graphs = Protocol(dataset, settings), Graphs(dataset, settings)
     for path in ("/sparql", "/sparql/"):
         app.router.routes.append(_route(path, protocol.handle, ["GET", "POST"]))
-    app.router.routes.append(_route("/graphs", graphs.handle, ["GET", "PUT", "POST", "DELETE"]))
+    for path in ("/graphs", "/graphs/{graph:path}"):
+        app.router.routes.append(_route(path, graphs.handle, ["GET", "PUT", "POST", "DELETE"]))
     for path in ("/", "/page/{file:path}"):
         app.router.routes.append(_route(path, page, ["GET"]))
     app.router.routes.append(_route("/health", _health(dataset), ["GET"]))
@@ -97,7 +98,7 @@ def create_app(settings: Settings, scenes: Mapping[str, bytes]) -> FastAPI:
             allow_origins=list(settings.origins),
             allow_methods=["GET", "HEAD", "POST", "PUT", "DELETE"],
             allow_headers=["Authorization", "Content-Type"],
-            expose_headers=["Deixis-Truncated", "Retry-After"],
+            expose_headers=["Deixis-Truncated", "Location", "Retry-After"],
         )
     app.add_middleware(Guards)
     return app

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any, Final
+from uuid import uuid4
 
 from starlette.requests import Request
 from starlette.responses import Response
@@ -11,6 +12,7 @@ from starlette.responses import Response
 from deixis.server import incoming
 from deixis.server.dataset import Dataset
 from deixis.server.media import DATASETS, GRAPHS, content_type, wanted
+from deixis.server.multipart import parts_of
 from deixis.server.problems import Problem
 from deixis.server.protocol import NOT_KEPT
 from deixis.server.rewriting import absolute
@@ -18,6 +20,9 @@ from deixis.server.settings import Settings
 
 _READ: Final = {"text/turtle": "ttl", "application/n-triples": "nt", "application/trig": "trig"}
 """Formats that graphs are written in: entities and contexts, of RDF/XML and JSON-LD, are bombs and calls."""
+
+
+_FORM: Final = "multipart/form-data"
 
 
 class Graphs:
@@ -38,7 +43,11 @@ class Graphs:
         if request.method in ("GET", "HEAD"):
             return await self._read(request, name, everything)
         incoming.must_be_writable(request, self._settings)
-        if everything:
+        created = everything and request.method == "POST"
+        if created:
+            # Nobody said where: in a graph of its own, whose address is its name.
+            name = f"{_address(request)}/{uuid4()}"
+        elif everything:
             raise Problem(400, "say which graph: ?graph=IRI or ?default")
         known = name is None or name in self._dataset.current.names
         if request.method == "DELETE":
@@ -46,19 +55,29 @@ class Graphs:
                 raise Problem(404, f"there is no graph <{name}>")
             await self._dataset.change({"do": "drop", "name": name}, b"")
             return Response(status_code=204)
-        media = incoming.media_of(request) or "text/turtle"
-        if media not in _READ:
-            raise Problem(415, f"send the graph as one of {', '.join(_READ)}")
-        body = await incoming.body_of(request, self._settings)
+        parts = await self._sent(request)
         message = {
             "do": "put",
             "name": name,
-            "form": _READ[media],
+            "parts": [(form, len(text)) for form, text in parts],
             "replace": request.method == "PUT",
-            "base": str(request.url.replace(query="", fragment="")),
+            "base": _address(request),
         }
-        await self._dataset.change(message, body)
-        return Response(status_code=204 if known else 201)
+        await self._dataset.change(message, b"".join(text for _, text in parts))
+        headers = {"Location": str(name)} if created else {}
+        return Response(status_code=204 if known else 201, headers=headers)
+
+    async def _sent(self, request: Request) -> list[tuple[str, bytes]]:
+        """Return the format and the text of what was sent: one, or several in a form."""
+        media = incoming.media_of(request) or "text/turtle"
+        if media == _FORM and request.method != "POST":
+            raise Problem(415, f"{_FORM} is for POST: PUT the graph itself")
+        if media != _FORM:
+            return [(_format(media), await incoming.body_of(request, self._settings))]
+        parts = parts_of(
+            await incoming.body_of(request, self._settings), request.headers.get("content-type", "")
+        )
+        return [(_format(incoming.media_type(kind)), text) for kind, text in parts]
 
     async def _read(self, request: Request, name: str | None, everything: bool) -> Response:
         offered: Mapping[str, str] = DATASETS if everything else GRAPHS
@@ -76,9 +95,23 @@ class Graphs:
         return Response(body, headers={"Content-Type": content_type(media), **NOT_KEPT})
 
 
+def _format(media: str) -> str:
+    if media not in _READ:
+        raise Problem(415, f"{media[:100]!r} is not read: send the graph as one of {', '.join(_READ)}")
+    return _READ[media]
+
+
+def _address(request: Request) -> str:
+    return str(request.url.replace(query="", fragment=""))
+
+
 def _named(request: Request) -> tuple[str | None, bool]:
     """Return the graph that is meant, None for the default one; and whether all are."""
     fields = incoming.fields_of(request.scope["query_string"])
+    if request.path_params.get("graph"):
+        if any(key in ("graph", "default") for key, _ in fields):
+            raise Problem(400, "the address names a graph already: leave ?graph and ?default out")
+        return absolute(_address(request)), False
     names = [value for key, value in fields if key == "graph"]
     default = any(key == "default" for key, _ in fields)
     if len(names) + default > 1:

@@ -15,8 +15,8 @@ from deixis.server.settings import Settings
 Fields = Sequence[tuple[str, str]]
 
 
-async def body_of(request: Request, settings: Settings) -> bytes:
-    """Return what was sent.
+async def body_of(request: Request, settings: Settings, most: int | None = None) -> bytes:
+    """Return what was sent: at most so many bytes, by default the server's limit.
 
     Raises
     ------
@@ -24,20 +24,19 @@ async def body_of(request: Request, settings: Settings) -> bytes:
         It is too large (413), comes too slowly (408) or is compressed (415).
     """
     limits = settings.limits
+    most = limits.body if most is None else most
     if request.headers.get("content-encoding", "identity") != "identity":
         raise Problem(415, "send it without Content-Encoding: compressed bodies are not read")
-    too_large = Problem(
-        413, f"the body is larger than {limits.body} bytes: send less", {"Connection": "close"}
-    )
+    too_large = Problem(413, f"the body is larger than {most} bytes: send less", {"Connection": "close"})
     declared = request.headers.get("content-length", "0")
-    if not declared.isascii() or not declared.isdigit() or int(declared[:20]) > limits.body:
+    if not declared.isascii() or not declared.isdigit() or int(declared[:20]) > most:
         raise too_large
     parts, size = [], 0
     try:
         async with asyncio.timeout(limits.upload_seconds):
             async for part in request.stream():
                 size += len(part)
-                if size > limits.body:
+                if size > most:
                     raise too_large
                 parts.append(part)
     except TimeoutError:
@@ -56,7 +55,12 @@ def media_of(request: Request) -> str:
     Problem
         Its character set is not UTF-8 (415).
     """
-    media, _, rest = request.headers.get("content-type", "").partition(";")
+    return media_type(request.headers.get("content-type", ""))
+
+
+def media_type(content_type: str) -> str:
+    """Return the media type that a Content-Type names; see :func:`media_of`."""
+    media, _, rest = content_type.partition(";")
     for parameter in rest.split(";"):
         name, _, value = parameter.strip().partition("=")
         if name.lower() == "charset" and value.strip('"').lower() not in ("utf-8", "utf8"):

@@ -15,7 +15,7 @@ _REMEMBERED: Final = 4096
 
 
 class Texts:
-    """Texts of late, the oldest forgotten first.
+    """Texts of late, by their hashes; the oldest forgotten first.
 
     Examples
     --------
@@ -26,21 +26,22 @@ class Texts:
     """
 
     def __init__(self) -> None:
-        self._known: OrderedDict[bytes, None] = OrderedDict()
+        self._known: OrderedDict[int, None] = OrderedDict()
 
     def add(self, text: bytes) -> None:
         """Remember a text."""
-        self._known[text] = None
-        self._known.move_to_end(text)
+        key = hash(text)
+        self._known[key] = None
+        self._known.move_to_end(key)
         if len(self._known) > _REMEMBERED:
             self._known.popitem(last=False)
 
     def discard(self, text: bytes) -> None:
         """Forget a text."""
-        self._known.pop(text, None)
+        self._known.pop(hash(text), None)
 
     def __contains__(self, text: bytes) -> bool:
-        return text in self._known
+        return hash(text) in self._known
 
 
 class Memory:

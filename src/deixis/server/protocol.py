@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, Final
@@ -25,6 +26,12 @@ _FORM: Final = "application/x-www-form-urlencoded"
 _GRAPH_FORMS: Final = frozenset(("CONSTRUCT", "DESCRIBE"))
 _TABLES, _GRAPHS = tuple(TABLES), tuple(GRAPHS)
 
+_SHORT: Final = 4096
+"""Characters of a query that is kept in mind: a thousand of them are a few megabytes."""
+
+_ENCODED: Final = 12
+"""Bytes that a character may take in a form."""
+
 NOT_KEPT: Final = {"Cache-Control": "no-store", "Vary": "Accept"}
 """Answers are of this moment."""
 
@@ -40,7 +47,7 @@ class Protocol:
 
     def __init__(self, dataset: Dataset, settings: Settings) -> None:
         self._dataset, self._settings = dataset, settings
-        self._prepared = lru_cache(1024)(self._prepare)
+        self._kept = lru_cache(1024)(self._prepare)
 
     async def handle(self, request: Request) -> Response:
         """Answer one request."""
@@ -54,7 +61,9 @@ class Protocol:
         media = incoming.media_of(request)
         if media not in (_FORM, _QUERY, _UPDATE):
             raise Problem(415, f"send {_FORM}, {_QUERY} or {_UPDATE}, and say so in Content-Type")
-        body = await incoming.body_of(request, self._settings)
+        if media == _UPDATE:
+            incoming.must_be_writable(request, self._settings)
+        body = await incoming.body_of(request, self._settings, self._most(request))
         if media == _FORM:
             form = incoming.fields_of(body)
             asks = [name for name, _ in form if name in ("query", "update")]
@@ -69,7 +78,7 @@ class Protocol:
         return await (self._update if media == _UPDATE else self._query)(request, text, url)
 
     async def _query(self, request: Request, text: str, fields: incoming.Fields) -> Response:
-        screened, cut, more = self._prepared(text)
+        screened, cut, more = (self._kept if len(text) <= _SHORT else self._prepare)(text)
         accept = request.headers.get("accept", "")
         graph = screened.form in _GRAPH_FORMS
         media = wanted(accept, _GRAPHS if graph else _TABLES)
@@ -96,6 +105,15 @@ class Protocol:
         )
         return answered(told, body, media)
 
+    def _most(self, request: Request) -> int:
+        """Return how long a body may be: only an update is longer than a query."""
+        limits = self._settings.limits
+        try:
+            incoming.must_be_writable(request, self._settings)
+        except Problem:
+            return min(limits.body, _ENCODED * limits.text)
+        return limits.body
+
     def _prepare(self, text: str) -> tuple[Screened, str, str | None]:
         limits = self._settings.limits
         query = screen(text, limits.text, limits.depth)
@@ -105,7 +123,8 @@ class Protocol:
     async def _update(self, request: Request, text: str, fields: incoming.Fields) -> Response:
         incoming.must_be_writable(request, self._settings)
         limits = self._settings.limits
-        update = screen(text, limits.body, limits.depth, update=True)
+        # An update may be long: others are answered meanwhile.
+        update = await asyncio.to_thread(screen, text, limits.body, limits.depth, update=True)
         names = "using-graph-uri", "using-named-graph-uri"
         update.check_graphs(self._dataset.current.names)
         changed = using(update, *(_all(fields, name) for name in names))

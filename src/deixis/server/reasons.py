@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Mapping
 from typing import Any, Final
 
 from deixis.errors import QueryError
@@ -31,6 +30,7 @@ class Reasons:
 
     def __init__(self) -> None:
         self._kb: KnowledgeBase | None = None
+        self._explaining: KnowledgeBase | None = None
         self._known: dict[tuple[str, ...] | None, tuple[Relation, ...]] = {}
         self._page: bytes | None = None
 
@@ -40,6 +40,14 @@ class Reasons:
         if self._kb is None:
             raise QueryError("no scene is loaded")
         return self._kb
+
+    @property
+    def explaining(self) -> KnowledgeBase:
+        """Return the knowledge base with the rules of safety, whose breaches have reasons too."""
+        if self._explaining is None:
+            self._explaining = KnowledgeBase(self.kb.scene, rules=("safety",))
+            self._explaining.facts = self.kb.facts
+        return self._explaining
 
     def load(self, text: bytes, *, export: bool) -> tuple[dict[str, Any], bytes]:
         """Take in a scene in JSON; return what it holds and, if wanted, all its quads.
@@ -52,7 +60,8 @@ class Reasons:
         from deixis.errors import SceneError
 
         scene = Scene.from_dict(parse(text, SceneError, _EXPORTED))
-        self._kb, self._known, self._page = KnowledgeBase(scene), {}, None
+        self._kb, self._explaining = KnowledgeBase(scene), None
+        self._known, self._page = {}, None
         told: dict[str, Any] = {
             "id": scene.id,
             "objects": len(scene.objects),
@@ -140,11 +149,39 @@ class Reasons:
             self._page = self.kb.page(timeout=timeout).encode()
         return self._page
 
+    def called(self, *, view: str | None, timeout: float) -> dict[str, Any]:
+        """Return what each thing is called."""
+        return {"names": self.explaining.names(view=view, timeout=timeout)}
+
     def why(self, *, goal: str, timeout: float) -> dict[str, Any]:
         """Return the proof of a relation with its evidence, or how far it is from holding."""
-        answer = self.kb.evidence(self.kb.why(goal, timeout=timeout))
-        told: Mapping[str, Any] = answer.to_dict()
-        return {"goal": goal, **told}
+        answer = self.explaining.evidence(self.explaining.why(goal, timeout=timeout))
+        return {"goal": goal, **answer.to_dict()}
+
+    def why_all(self, *, goal: str, limit: int, timeout: float) -> dict[str, Any]:
+        """Return all proofs of a relation, or the first of them."""
+        kb = self.explaining
+        return {"goal": goal, **kb.evidence(kb.why_all(goal, limit=limit, timeout=timeout)).to_dict()}
+
+    def why_not(self, *, goal: str, timeout: float) -> dict[str, Any]:
+        """Return what keeps each rule from concluding a relation."""
+        found = self.explaining.evidence(self.explaining.why_not(goal, timeout=timeout))
+        return {"goal": goal, "sentence": found.sentence(), **found.to_dict()}
+
+    def contrast(self, *, goal: str, rather_than: str, timeout: float) -> dict[str, Any]:
+        """Return why one relation holds rather than another."""
+        kb = self.explaining
+        found = kb.evidence(kb.contrast(goal, rather_than, timeout=timeout))
+        return {"goal": goal, "rather_than": rather_than, "sentence": found.sentence(), **found.to_dict()}
+
+    def change(self, *, goal: str) -> dict[str, Any]:
+        """Return the smallest move that makes a relation hold, or cease to."""
+        found = self.kb.change(goal)
+        return {"goal": goal, "change": None if found is None else found.to_dict()}
+
+    def what_if(self, *, moves: dict[str, list[float]], limit: int, timeout: float) -> dict[str, Any]:
+        """Return what would be otherwise if things stood elsewhere."""
+        return self.kb.consequences(moves, limit=limit, timeout=timeout).to_dict()
 
 
 def _cursor(position: int) -> str:

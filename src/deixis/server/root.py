@@ -48,8 +48,12 @@ class Work:
 
     def put(self, header: Mapping[str, Any], body: bytes) -> Reply:
         """Write a graph."""
+        parts, at = [], 0
+        for form, size in header["parts"]:
+            parts.append((form, body[at : at + size]))
+            at += size
         replace, base = header["replace"], header["base"]
-        return {}, self._evaluator.put(header["name"], body, header["form"], replace=replace, base=base)
+        return {}, self._evaluator.put(header["name"], parts, replace=replace, base=base)
 
     def drop(self, header: Mapping[str, Any], _: bytes) -> Reply:
         """Remove a graph."""
@@ -71,6 +75,10 @@ class Work:
         """Answer a goal."""
         return self._reasons.ask(**header["with"]), b""
 
+    def called(self, header: Mapping[str, Any], _: bytes) -> Reply:
+        """Say what things are called."""
+        return self._reasons.called(**header["with"]), b""
+
     def why(self, header: Mapping[str, Any], _: bytes) -> Reply:
         """Explain a relation."""
         return self._reasons.why(**header["with"]), b""
@@ -78,6 +86,26 @@ class Work:
     def view(self, header: Mapping[str, Any], _: bytes) -> Reply:
         """Show the scene."""
         return {}, self._reasons.page(**header["with"])
+
+    def why_all(self, header: Mapping[str, Any], _: bytes) -> Reply:
+        """Explain a relation in all ways."""
+        return self._reasons.why_all(**header["with"]), b""
+
+    def why_not(self, header: Mapping[str, Any], _: bytes) -> Reply:
+        """Explain why a relation does not hold."""
+        return self._reasons.why_not(**header["with"]), b""
+
+    def contrast(self, header: Mapping[str, Any], _: bytes) -> Reply:
+        """Explain one relation beside another."""
+        return self._reasons.contrast(**header["with"]), b""
+
+    def change(self, header: Mapping[str, Any], _: bytes) -> Reply:
+        """Find what would change a relation."""
+        return self._reasons.change(**header["with"]), b""
+
+    def what_if(self, header: Mapping[str, Any], _: bytes) -> Reply:
+        """Find what would be otherwise."""
+        return self._reasons.what_if(**header["with"]), b""
 
 
 def main(descriptor: int) -> None:

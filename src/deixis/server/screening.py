@@ -7,8 +7,10 @@ SERVICE or LOAD names. So the text is cut into tokens first, which takes linear 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Final, NamedTuple
 
 from deixis.errors import QueryError
@@ -17,9 +19,9 @@ _TOKEN: Final = re.compile(
     r"""
       (?P<comment>\#[^\r\n]*)
     | (?P<string>'''(?:[^'\\]|\\.|'{1,2}(?!'))*''' | \"\"\"(?:[^"\\]|\\.|"{1,2}(?!"))*\"\"\"
-        | '(?:[^'\\\r\n]|\\.)*' | "(?:[^"\\\r\n]|\\.)*")
+        | '(?!'')(?:[^'\\\r\n]|\\.)*' | "(?!\"\")(?:[^"\\\r\n]|\\.)*")
     | (?P<iri><[^<>"{}|^`\\\x00-\x20]*>)
-    | (?P<prefixed>[^\W\d_][\w.\-]*:|:|_:)(?:[\w:.\-]|%[0-9A-Fa-f]{2}|\\.)*
+    | (?P<prefixed>[^\W\d_](?>[\w.\-]{0,100}):|:|_:)(?:[\w:.\-]|%[0-9A-Fa-f]{2}|\\.)*
     | (?P<variable>[?$]\w+)
     | (?P<word>[A-Za-z][\w]*)
     | (?P<open><<|[({\[]) | (?P<close>>>|[)}\]])
@@ -34,8 +36,8 @@ _PAIRS: Final = {")": "(", "}": "{", "]": "[", ">>": "<<"}
 _OPERATORS: Final = frozenset("!+-^/|*")
 """Signs that nest without brackets."""
 
-_HIDDEN: Final = re.compile(r"\).*\b(?:service|load)\b", re.IGNORECASE)
-"""What may be read as an operator and a clause instead of an IRI: ``?a<?b)SERVICE?s#>``."""
+_HIDDEN: Final = re.compile(r"\b(?:service|load)\b", re.IGNORECASE)
+"""What, after a bracket, may be read as a clause instead of a part of an IRI: ``?a<?b)SERVICE?s#>``."""
 
 _UPDATES: Final = frozenset(
     ("INSERT", "DELETE", "WITH", "CLEAR", "CREATE", "DROP", "COPY", "MOVE", "ADD", "LOAD")
@@ -47,6 +49,12 @@ _MOST_SIGNS: Final = 256
 
 _MOST_CHAIN: Final = 2048
 """Operators in one text."""
+
+_MOST_UNCLOSED: Final = 8
+"""Quotes that begin no string."""
+
+_MOST_PARTS: Final = 10_000
+"""Parts of a query, which is cut into them while all others wait; an update has a process of its own."""
 
 
 class Forbidden(QueryError):
@@ -82,7 +90,7 @@ def tokens(text: str, depth: int) -> Iterator[Token]:
     ['ASK', '{', '?s', '<urn:p>', "'SERVICE'", '}']
     """
     around: list[str] = []
-    signs = chain = 0
+    signs = chain = unclosed = 0
     for match in _TOKEN.finditer(text):
         kind, part = match.lastgroup or "other", match[0]
         if kind == "comment":
@@ -91,6 +99,11 @@ def tokens(text: str, depth: int) -> Iterator[Token]:
             # What is left open inside was no bracket: two signs of comparison side by side.
             while around.pop() != opened:
                 pass
+        if kind == "other" and part in ("'", '"'):
+            # Each is looked at up to the end of the text; a few are let be, for the engine to judge.
+            unclosed += 1
+            if unclosed > _MOST_UNCLOSED:
+                raise QueryError(f"strings are not closed, up to character {match.start() + 1}: close them")
         yield Token(kind, part, match.start(), match.end(), len(around))
         if kind == "open":
             around.append(part)
@@ -126,8 +139,9 @@ class Screened:
 
     def check_graphs(self, known: Sequence[str]) -> None:
         """Raise :class:`Forbidden` where a graph would have to be fetched: it is not here, nor made here."""
-        for name in self.graphs:
-            if name not in known and self.text.count(f"<{name}>") == 1:
+        written = Counter(one.text for one in self.tokens if one.kind == "iri")
+        for name in {*self.graphs} - {*known}:
+            if written[f"<{name}>"] <= 1:
                 raise Forbidden(f"there is no graph <{name[:200]}> here, and this server fetches nothing")
 
 
@@ -147,7 +161,10 @@ def screen(text: str, longest: int, depth: int, *, update: bool = False) -> Scre
         )
     if "\x00" in text:
         raise QueryError("the text holds the character U+0000: leave it out")
-    parts = tuple(tokens(text, depth))
+    found = tokens(text, depth)
+    parts = tuple(found if update else islice(found, _MOST_PARTS))
+    if next(found, None) is not None:
+        raise QueryError(f"the text has more than {_MOST_PARTS} parts: write it shorter, or ask twice")
     for at, one in enumerate(parts):
         if _fetches(one, parts[at + 1 : at + 2], parts[at - 1] if at else None):
             raise Forbidden(
@@ -182,7 +199,8 @@ def _fetches(one: Token, following: tuple[Token, ...], before: Token | None) -> 
         case "word":
             return "SERVICE" in one.word
         case "iri":
-            return _HIDDEN.search(one.text) is not None
+            bracket = one.text.find(")")
+            return bracket >= 0 and _HIDDEN.search(one.text, bracket) is not None
         case "prefixed" if "SERVICE" in one.text.upper().partition(":")[0]:
             graph = before is not None and before.word == "GRAPH"
             return not graph and bool(following) and following[0].text == "{"

@@ -11,10 +11,10 @@ import uvicorn
 from deixis.errors import DeixisError
 from deixis.scene import Scene
 from deixis.server.app import create_app
+from deixis.server.connections import bounded
 from deixis.server.settings import Settings
 
 _BACKLOG: Final = 512
-_CONNECTIONS: Final = 1024
 
 
 def serve(scenes: Sequence[Path], settings: Settings) -> None:
@@ -35,17 +35,21 @@ def serve(scenes: Sequence[Path], settings: Settings) -> None:
         if scene.id in texts:
             raise DeixisError(f"two of the files hold a scene {scene.id!r}: rename one")
         texts[scene.id] = scene.to_json().encode()
+    connection = bounded(settings.limits)
     config = uvicorn.Config(
         create_app(settings, texts),
         host=settings.host,
         port=settings.port,
         access_log=False,
-        log_level="warning",
+        # What a client does wrong is answered, and is no news: a log can be filled.
+        log_level="error",
         proxy_headers=False,
         server_header=False,
         date_header=True,
         backlog=_BACKLOG,
-        limit_concurrency=_CONNECTIONS,
+        http=connection,
+        # Where all connections are busy, none can make room.
+        limit_concurrency=connection.most + 1,
         timeout_graceful_shutdown=5,
         ws="none",
         lifespan="on",

@@ -26,6 +26,14 @@ class Limits:
         Bytes of what is sent.
     upload_seconds : float
         Seconds in which all of it must come.
+    head : int
+        Bytes of a request before its body.
+    head_seconds : float
+        Seconds in which these must come, and for which a connection is kept without a request.
+    send_seconds : float
+        Seconds after which a client that reads less than 1 KiB a second is hung up on.
+    connections : int
+        Connections at the same time; one more, and the one that is waited for longest is closed.
     text : int
         Characters of a query.
     depth : int
@@ -50,6 +58,10 @@ class Limits:
     answer: int = 1 << 26
     body: int = 1 << 24
     upload_seconds: float = 30.0
+    head: int = 1 << 16
+    head_seconds: float = 10.0
+    send_seconds: float = 10.0
+    connections: int = 1024
     text: int = 1 << 16
     depth: int = 64
     workers: int = WORKERS + 1

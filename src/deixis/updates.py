@@ -1,0 +1,142 @@
+"""Updates: what is told of a scene that changes, and what that changes in what holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from deixis.counterfactual import moved
+from deixis.errors import SceneError
+from deixis.relations import Relation
+from deixis.scene import Scene, SpatialObject, View
+from deixis.strict_json import quoted
+
+_KEYS: Final = ("stamp", "objects", "moves", "removed", "views", "removed_views")
+
+
+@dataclass(frozen=True)
+class Update:
+    """What is told of a scene at once.
+
+    Attributes
+    ----------
+    objects : tuple of SpatialObject
+        They replace those with their ids, or are new.
+    removed : tuple of str
+        Ids of objects that are there no more.
+    views : tuple of View
+        They replace those with their ids, or are new.
+    removed_views : tuple of str
+        Ids of views from which nobody looks any more.
+    stamp : float or None
+        Seconds since the epoch, or any other count; given back with the changes.
+    """
+
+    objects: tuple[SpatialObject, ...] = ()
+    removed: tuple[str, ...] = ()
+    views: tuple[View, ...] = ()
+    removed_views: tuple[str, ...] = ()
+    stamp: float | None = None
+
+    @classmethod
+    def from_dict(cls, data: object, scene: Scene) -> Update:
+        """Return the update described by JSON values.
+
+        Parameters
+        ----------
+        data : dict
+            ``objects`` and ``views`` as in scene format v1; ``moves``, from ids to x, y, z in metres by
+            which things are shifted; ``removed`` and ``removed_views``, lists of ids; ``stamp``.
+        scene : Scene
+            What is updated.
+
+        Raises
+        ------
+        SceneError
+            Anything is unknown or of the wrong kind; the message names it.
+
+        Examples
+        --------
+        >>> cup = {"id": "cup", "box": {"center": [0, 0, 1], "size": [0.1, 0.1, 0.1]}}
+        >>> scene = Scene.from_dict({"deixis": 1, "id": "s", "objects": [cup]})
+        >>> Update.from_dict({"moves": {"cup": [0, 0, -1]}}, scene).objects[0].region.center.tolist()
+        [0.0, 0.0, 0.0]
+        """
+        if not isinstance(data, Mapping):
+            raise SceneError("an update is a JSON object: give objects, moves, removed, views, removed_views")
+        unknown = next((key for key in data if key not in _KEYS), None)
+        if unknown is not None:
+            raise SceneError(f"an update has no key {quoted(unknown)}: known are {', '.join(_KEYS)}")
+        told: dict[str, Any] = {key: data[key] for key in ("objects", "views") if key in data}
+        shown = Scene.from_dict({"deixis": 1, "id": scene.id, **told})
+        moves = data.get("moves", {})
+        if not isinstance(moves, Mapping):
+            raise SceneError("moves is no JSON object: give x, y, z in metres for each id")
+        shifted = moved(scene, moves)
+        stamp = data.get("stamp")
+        if stamp is not None and (isinstance(stamp, bool) or not isinstance(stamp, (int, float))):
+            raise SceneError(f"the stamp {quoted(stamp)} is not a number: give seconds since the epoch")
+        return cls(
+            (*shown.objects, *(shifted.objects[scene.index(name)] for name in moves)),
+            _ids(data, "removed"),
+            shown.views,
+            _ids(data, "removed_views"),
+            None if stamp is None else float(stamp),
+        )
+
+    def applied(self, scene: Scene) -> Scene:
+        """Return the scene as it is then.
+
+        Raises
+        ------
+        SceneError
+            What is to be removed is not there, or something is told twice.
+        """
+        views = {view.id: view for view in scene.views}
+        missing = next((name for name in self.removed_views if name not in views), None)
+        if missing is not None:
+            raise SceneError(f"scene {quoted(scene.id)} has no view {quoted(missing)}: give one it has")
+        views |= {view.id: view for view in self.views}
+        kept = [view for view in views.values() if view.id not in self.removed_views]
+        return scene.changed(objects=self.objects, removed=self.removed, views=kept)
+
+    @property
+    def things(self) -> frozenset[str]:
+        """Return the ids of all objects that it tells of."""
+        return frozenset([*(thing.id for thing in self.objects), *self.removed])
+
+
+@dataclass(frozen=True)
+class Changes:
+    """What an update changed.
+
+    Attributes
+    ----------
+    stamp : float or None
+        Of the update.
+    gained, lost : tuple of Relation
+        What holds now and did not, and what held and does not now, with the margin that it has or had.
+    """
+
+    stamp: float | None
+    gained: tuple[Relation, ...]
+    lost: tuple[Relation, ...]
+
+    def __bool__(self) -> bool:
+        return bool(self.gained or self.lost)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the changes as JSON values."""
+        told = {
+            "gained": [one.to_dict() for one in self.gained],
+            "lost": [one.to_dict() for one in self.lost],
+        }
+        return told if self.stamp is None else {"stamp": self.stamp, **told}
+
+
+def _ids(data: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    found = data.get(key, [])
+    if not isinstance(found, list) or not all(isinstance(one, str) for one in found):
+        raise SceneError(f"{key} is not a list of ids: give those of what is there no more")
+    return tuple(found)
