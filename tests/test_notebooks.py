@@ -44,8 +44,8 @@ PROMISED = {
         "stopped: True",
     ],
     "03_why": [
-        "The fire extinguisher (extinguisher2) leans on the wall, because",
-        "because the floor touches the fire extinguisher (extinguisher2).",
+        "The fire extinguisher on the floor leans on the wall, because",
+        "but the fire extinguisher on the floor is not affixed on the wall, because the floor touches",
         "sweater: 2.0 cm, and it holds: False",
         "uncertain on_top_of(sweater, heater), 2.0 cm to spare",
         "sure      left_of(extinguisher2, radiator), 8.4 cm to spare",

@@ -19,7 +19,7 @@ import deixis.view.html
 from commands import call, run
 from deixis import KnowledgeBase, Scene
 from deixis.bounds import BOUNDS
-from deixis.explain import Proof, Rule
+from deixis.proof import Proof, Rule
 from deixis.view import available, framed, page_html
 from deixis.view.html import PLAIN, packed
 from deixis.view.reasons import KINDS

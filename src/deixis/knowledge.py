@@ -262,10 +262,10 @@ class KnowledgeBase(Explaining):
             (one.relation, one.figure, one.reference, *([] if one.view is None else [one.view])): one.margin
             for one in self.relations(relation=names, timeout=timeout)
         }
-        proofs = self.proofs(relation=names, timeout=timeout)
-        seen = self._gathering.gather(list(proofs.values()))
-        found = [Shown(proof, margins[key]) for key, proof in zip(proofs, seen, strict=True)]
-        return page_data(self.scene, self.facts, found)
+        proofs = self.proofs(relation=names, evidence=True, timeout=timeout)
+        return page_data(
+            self.scene, self.facts, [Shown(proof, margins[key]) for key, proof in proofs.items()]
+        )
 
     def _repr_html_(self) -> str | None:
         """Return the page in a frame of its own, for notebooks; None where it is not there, or too large."""

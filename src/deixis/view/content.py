@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from deixis.boxes import Boxes, align_with_world, contextualise
-from deixis.explain import Proof
 from deixis.facts import Facts
 from deixis.frames import WORLD, Array, Mask
+from deixis.proof import Proof
 from deixis.scene import Scene
 from deixis.thresholds import SNAP
 from deixis.view.reasons import Reasons, short

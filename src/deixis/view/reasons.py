@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from deixis.evidence import Evidence, Value, Witness
-from deixis.explain import Proof, Rule
+from deixis.proof import Proof, Rule
 
 KINDS: Final = ("rule", "fact", "comparison", "negation", "conjunction")
 """Kinds of steps, in the order of their numbers."""
