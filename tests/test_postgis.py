@@ -128,7 +128,7 @@ def test_facts_of_random_worlds_are_the_same(world: World, connection: psycopg.C
 
 @pytest.mark.long
 @given(world=worlds(most=5, views=2).filter(lambda world: not upright_rod(world)))
-@settings(max_examples=500)
+@settings(max_examples=150)
 def test_facts_of_many_random_worlds_are_the_same(world: World, connection: psycopg.Connection) -> None:
     given = world.scene()
     assert differences(ground(given), postgis_ground(connection, given)) == []

@@ -63,6 +63,8 @@ class Case:
         except psycopg.errors.InternalError_ as error:
             return f"error: {str(error).partition(' : ')[0]}"
         assert row is not None
+        if row[0] is None:
+            return "null"
         return str(row[0]).lower() if isinstance(row[0], bool) else f"{row[0]:.9g}"
 
     def asked(self) -> str:
@@ -161,6 +163,13 @@ CASES = (
         (((0, 0, 1), (0.2, 0.2, 0.3), 0.0), ((0, 0, 1), (1, 0.8, 2), 0.0)),
         f"ST_3DDistance({_HULL.format('{A}')}, {_HULL.format('{B}')})",
         "0, for the same reason",
+    ),
+    Case(
+        "IsClose",
+        "two rods in one place: their distance",
+        (((0, 0, 0), (0.1, 0, 0), 0.0), ((0, 0, 0), (0.1, 0, 0), 0.0)),
+        "ST_3DDistance({A}, {B})",
+        "0, so near; ST_3DDWithin says false of them at any distance",
     ),
     Case(
         "inter",
