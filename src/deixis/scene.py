@@ -236,9 +236,7 @@ class Scene:
         known = {view.id for view in views}
         for thing in objects:
             if lost := [view for view in thing.seen_in if view not in known]:
-                raise SceneError(
-                    f"object {quoted(thing.id)}: seen_in names {quoted(lost[0])}, no view: add it"
-                )
+                raise SceneError(f"object {quoted(thing.id)}: seen in {quoted(lost[0])}, no view: add it")
         scene = cls(parts.id, objects, views, limits, strays=parts.strays)
         object.__setattr__(scene, "diagnostics", (*diagnostics, *_oddities(scene)))
         return scene
