@@ -400,7 +400,7 @@ def test_what_was_seen_where_survives_files(tmp_path: Path) -> None:
 def test_a_thing_is_seen_in_views_there_are() -> None:
     box = {"center": [0, 0, 1], "size": [0.1, 0.1, 0.1]}
     data = {"deixis": 1, "id": "room", "objects": [{"id": "cup", "box": box, "seen_in": ["a"]}]}
-    with pytest.raises(SceneError, match="object 'cup': seen_in names 'a', no view: add it"):
+    with pytest.raises(SceneError, match="object 'cup': seen in 'a', no view: add it"):
         Scene.from_dict(data)
 
 

@@ -66,7 +66,7 @@ def test_every_term_has_its_axiom_its_predicate_and_a_definition() -> None:
 
 def test_every_word_of_an_export_is_declared() -> None:
     rich = scene(
-        {"id": "cloud", "points": [[0, 0, 0], [0.05, 0, 0], [0, 0.05, 0.05]]},
+        {"id": "cloud", "points": [[0, 0, 0], [0.05, 0, 0], [0, 0.05, 0.05]], "seen_in": ["v"]},
         {"id": "mesh", "mesh": {"vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]]}},
         views=[{"id": "v", "position": [1, 1, 1], "stamp": 1.0}],
     )

@@ -158,7 +158,7 @@ class Scene:
         for thing in objects:
             lost = next((view for view in thing.seen_in if view not in known), None)
             if lost is not None:
-                raise SceneError(f"object {quoted(thing.id)}: seen_in names {quoted(lost)}, no view: add it")
+                raise SceneError(f"object {quoted(thing.id)}: seen in {quoted(lost)}, no view: add it")
         scene = cls(parts.id, objects, views, limits, strays=parts.strays)
         object.__setattr__(scene, "diagnostics", (*diagnostics, *_oddities(scene)))
         return scene

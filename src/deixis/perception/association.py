@@ -100,8 +100,8 @@ def likeness(one: Sequence[Label], other: Sequence[Label]) -> float:
 
     Things without any label agree a little with everything.
 
-    >>> likeness([Label("cup", 0.6), Label("jar", 0.4)], [Label("cup", 0.9)])
-    0.6
+    >>> likeness([Label("cup", 0.5), Label("jar", 0.5)], [Label("cup", 1.0)])
+    0.5
     """
     if not one or not other:
         return 0.1

@@ -71,7 +71,7 @@ def find_planes(points: Array, within: float, least: int, seed: int = 0) -> list
     --------
     >>> x, y = np.meshgrid(np.arange(20.0), np.arange(20.0))
     >>> floor = np.stack([x.ravel(), y.ravel(), np.full(400, 0.5)], axis=1)
-    >>> [(plane.level, round(plane.offset * plane.normal[2], 6)) for plane in find_planes(floor, 0.01, 100)]
+    >>> [(plane.level, float(plane.offset * plane.normal[2])) for plane in find_planes(floor, 0.01, 100)]
     [(True, 0.5)]
     """
     rng = np.random.default_rng(seed)
