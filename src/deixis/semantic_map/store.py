@@ -108,7 +108,7 @@ class SemanticMap(ABC):
     """A database of frames, each a scene as it was at some time.
 
     The scene of a time is what was told last of each thing until then. Views are those of the last frame
-    that has any. Frames may arrive late: what counts is their stamp (decision 0033). Each thread needs a map
+    that has any. Frames may arrive late: what counts is their stamp (decision 0047). Each thread needs a map
     of its own; several may be open on one database.
 
     Examples
