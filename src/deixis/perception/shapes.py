@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from deixis.boxes import min_bound_box
-from deixis.frames import QUARTER, Array, Index
+from deixis.frames import QUARTER, Array, Index, Mask
 from deixis.pieces import one_piece
 from deixis.regions import BoxRegion, MeshRegion, Region
 from deixis.thresholds import Thresholds
@@ -71,6 +71,12 @@ WIDEST: Final = 0.5
 
 LARGER: Final = 1.15
 """How much more of the plan such a box may take than the hull's."""
+
+OUT: Final = 1.25
+"""Radii from the axis beyond which a point of the flank is no part of a round thing."""
+
+FEW_OUT: Final = 0.02
+"""Share of such points from which on they are a handle, and the thing is not round."""
 
 CLEARLY: Final = 0.15
 """By how much larger that share must be than at the hull's own yaw."""
@@ -152,8 +158,10 @@ def region_of(points: Array, wobble: Array, limits: Thresholds) -> tuple[Region,
     keep, note = one_piece(points, max(limits.piece_gap, limits.granularity))
     if keep is not None:
         points, wobble = points[keep], wobble[keep]
+    axis, lone = upright_axis(points)
+    if axis is not None:
+        points, wobble = points[~lone], wobble[~lone]
     outer = corners(points)
-    axis = upright_axis(points)
     if axis is not None:
         # The same from the other side.
         outer = np.concatenate([outer, [*2.0 * axis, 0.0] + outer * [-1.0, -1.0, 1.0]])
@@ -224,15 +232,18 @@ def _flank(points: Array) -> Array:
     return np.asarray(some[(some[:, 2] > low + margin) & (some[:, 2] < high - margin)])
 
 
-def upright_axis(points: Array) -> Array | None:
+def upright_axis(points: Array) -> tuple[Array | None, Mask]:
     """Return the upright axis that a thing is round about, (2,) metres in the plan, or None where it is not.
+
+    Beside it, which points are none of such a thing: a few of its flank that are far out.
 
     At each height all points of a round thing are as far from the axis; the squares of their distances from
     the origin are then linear in the plan, with a constant for each height: least squares tell the axis.
     """
     flank = _flank(points)
+    lone = np.zeros(len(points), dtype=np.bool_)
     if len(flank) < FEW:
-        return None
+        return None, lone
     middle = flank[:, :2].mean(axis=0)
     plan = flank[:, :2] - middle
     low, high = flank[:, 2].min(), flank[:, 2].max()
@@ -245,7 +256,7 @@ def upright_axis(points: Array) -> Array | None:
     x, y, square = centred(plan[:, 0]), centred(plan[:, 1]), centred((plan * plan).sum(axis=1))
     matrix = np.array([[x @ x, x @ y], [x @ y, y @ y]])
     if np.linalg.det(matrix) < 1.0e-12 * np.trace(matrix) ** 2:
-        return None
+        return None, lone
     axis = 0.5 * np.linalg.solve(matrix, np.array([x @ square, y @ square]))
     spoke = plan - axis
     radius = np.hypot(spoke[:, 0], spoke[:, 1])
@@ -259,4 +270,7 @@ def upright_axis(points: Array) -> Array | None:
     # In every direction, for the legs of a square table are all as far from its middle.
     good = np.bincount(sector, off <= most, SECTORS) >= 0.6 * seen
     round_ = float(np.quantile(off, 0.8)) <= most and size <= WIDEST and good[seen > 0].mean() >= 0.85
-    return middle + axis if round_ and np.count_nonzero(seen) >= ARC * SECTORS else None
+    level_with = (points[:, 2] >= low) & (points[:, 2] <= high)
+    lone = level_with & (np.hypot(*(points[:, :2] - middle - axis).T) > OUT * size)
+    round_ = round_ and np.count_nonzero(lone) <= FEW_OUT * len(points)
+    return (middle + axis if round_ and np.count_nonzero(seen) >= ARC * SECTORS else None), lone
