@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Iterable, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
@@ -130,7 +130,7 @@ class Inference:
         """
         from deixis.ruleset import load
 
-        return load(datalog_files(), self.rule_files)
+        return load(datalog_files(), self.rule_files) if self._rules else _theory()
 
     @cached_property
     def rule_files(self) -> tuple[Path, ...]:
@@ -261,3 +261,11 @@ def _of_scene(facts: Facts, scene: Scene) -> Facts:
             f"the facts given are not those of scene {scene.id!r}: ground it, its things and its views, anew"
         )
     return facts
+
+
+@cache
+def _theory() -> Ruleset:
+    """Return the theory's rules, read once in a process: reading takes longer than a scene's relations."""
+    from deixis.ruleset import load
+
+    return load(datalog_files())

@@ -263,9 +263,10 @@ class KnowledgeBase(Explaining):
             for one in self.relations(relation=names, timeout=timeout)
         }
         proofs = self.proofs(relation=names, evidence=True, timeout=timeout)
-        return page_data(
-            self.scene, self.facts, [Shown(proof, margins[key]) for key, proof in proofs.items()]
-        )
+        # In lists and on labels without the article.
+        called = {thing: name.removeprefix("the ") for thing, name in self.names(timeout=timeout).items()}
+        found = [Shown(proof, margins[key]) for key, proof in proofs.items()]
+        return page_data(self.scene, self.facts, found, called)
 
     def _repr_html_(self) -> str | None:
         """Return the page in a frame of its own, for notebooks; None where it is not there, or too large."""

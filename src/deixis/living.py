@@ -63,7 +63,7 @@ class Living:
         self._executor, self._facts = executor, facts
         known = extents(ruleset)
         self._extents: dict[Indicator, Extent] = {one: known[one] for one in wanted}
-        plans = {one: Plan(ruleset, [one], margins=True) for one in wanted}
+        plans = {one: Plan.of(ruleset, [one], margins=True) for one in wanted}
         self._viewed = {one for one, plan in plans.items() if any(node[0] in VIEWS for node in plan.needed)}
         self._near = [one for one in wanted if self._extents[one].bounded]
         self._far = [one for one in wanted if not self._extents[one].bounded]

@@ -47,7 +47,6 @@ class ArrayExecutor:
 
     def __init__(self, ruleset: Ruleset) -> None:
         self.ruleset = ruleset
-        self._plans: dict[tuple[tuple[Indicator, ...], bool], Plan] = {}
 
     def run(
         self,
@@ -69,7 +68,7 @@ class ArrayExecutor:
         GeometryError
             A measured number is not finite.
         """
-        plan = self._plan(tuple(dict.fromkeys(wanted)), margins)
+        plan = Plan.of(self.ruleset, tuple(dict.fromkeys(wanted)), margins=margins)
         symbols = Symbols(facts.ids, plan.constants)
         deadline = math.inf if timeout is None else time.monotonic() + timeout
 
@@ -98,12 +97,6 @@ class ArrayExecutor:
         for step in plan.steps:
             _derive(world, plan, step, tables, given)
         return {one: self._table(tables[one, "truth"], one, margins, symbols) for one in plan.wanted}
-
-    def _plan(self, wanted: tuple[Indicator, ...], margins: bool) -> Plan:
-        known = self._plans.get((wanted, margins))
-        if known is None:
-            known = self._plans[wanted, margins] = Plan(self.ruleset, wanted, margins=margins)
-        return known
 
     def _given(
         self,

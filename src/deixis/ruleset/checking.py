@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from deixis.errors import RuleError
 from deixis.ruleset.base import BASE_FACTS
@@ -55,6 +55,11 @@ class Ruleset:
     rules: tuple[Rule, ...]
     kinds: dict[Indicator, tuple[Kind, ...]]
     user: frozenset[Indicator]
+
+    @cached_property
+    def plans(self) -> dict[Any, Any]:
+        """Return what is known already of how to derive what: see :meth:`deixis.ruleset.plan.Plan.of`."""
+        return {}
 
     @cached_property
     def graph(self) -> Graph:

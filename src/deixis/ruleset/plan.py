@@ -68,6 +68,15 @@ class Plan:
         self.steps = tuple(self._ordered())
         self.constants = tuple(sorted(set(self._constants())))
 
+    @classmethod
+    def of(cls, ruleset: Ruleset, wanted: Sequence[Indicator], *, margins: bool) -> Plan:
+        """Return the plan, made once for a ruleset."""
+        key = tuple(wanted), margins
+        known: Plan | None = ruleset.plans.get(key)
+        if known is None:
+            known = ruleset.plans[key] = cls(ruleset, wanted, margins=margins)
+        return known
+
     def _needed(self) -> set[Node]:
         """Return the tables that the wanted ones rest on."""
         found: set[Node] = set()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,7 +26,9 @@ class Shown:
     margin: float | None
 
 
-def page_data(scene: Scene, facts: Facts, found: Iterable[Shown]) -> tuple[dict[str, Any], dict[str, Any]]:
+def page_data(
+    scene: Scene, facts: Facts, found: Iterable[Shown], names: Mapping[str, str]
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return what the page needs at once, and what it needs when something is selected.
 
     Parameters
@@ -36,6 +38,8 @@ def page_data(scene: Scene, facts: Facts, found: Iterable[Shown]) -> tuple[dict[
         Of the scene.
     found : iterable of Shown
         What holds; arguments that are ids of things are linked to them.
+    names : mapping of str to str
+        What each thing is called, by its id.
 
     Returns
     -------
@@ -62,7 +66,7 @@ def page_data(scene: Scene, facts: Facts, found: Iterable[Shown]) -> tuple[dict[
         "thresholds": dict(facts.thresholds.items()),
         "notes": list(scene.diagnostics),
         "things": [
-            [thing.id, thing.label, int(thing.kind == "surface"), model, *_box(boxes, index)]
+            [thing.id, names[thing.id], int(thing.kind == "surface"), model, *_box(boxes, index)]
             for index, (thing, model) in enumerate(zip(scene.objects, facts.models, strict=True))
         ],
         "views": [

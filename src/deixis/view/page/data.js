@@ -20,11 +20,8 @@ const ORDER = [
 
 /** Things, views and relations, named and counted. */
 export function understood(now) {
-  const times = new Map();
-  for (const [, label] of now.things) times.set(label, (times.get(label) ?? 0) + 1);
-  const things = now.things.map(([id, label, surface, model, center, half, yaw, normal], index) => ({
-    index, id, label, surface: surface === 1, model, center, half, yaw, normal,
-    name: !label ? id : times.get(label) > 1 ? `${label} (${id})` : label,
+  const things = now.things.map(([id, name, surface, model, center, half, yaw, normal], index) => ({
+    index, id, name, surface: surface === 1, model, center, half, yaw, normal,
   }));
   const noise = now.thresholds.pose_noise;
   const relations = now.relations.map(([predicate, of, view, margin, step, text], index) => ({
