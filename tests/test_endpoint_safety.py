@@ -573,7 +573,8 @@ def test_a_lost_worker_costs_one_question(server: Server) -> None:
     for pid in workers:
         os.kill(pid, 9)
     replies = [server.query("ASK {}").status for _ in range(10)]
-    assert replies.count(200) >= 9
+    # Each that was lost may cost the question it is given before that is seen.
+    assert replies.count(200) >= 10 - len(workers) > 0
 
 
 def test_lexing_finds_what_it_must() -> None:

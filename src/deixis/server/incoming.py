@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import hmac
 from collections.abc import Sequence
+from typing import Final
 from urllib.parse import parse_qsl
 
 from starlette.requests import ClientDisconnect, Request
@@ -13,6 +14,12 @@ from deixis.server.problems import Gone, Problem
 from deixis.server.settings import Settings
 
 Fields = Sequence[tuple[str, str]]
+
+_LINGER: Final = 4 << 20
+"""Bytes of a body that is too large which are read and forgotten all the same."""
+
+_LINGER_SECONDS: Final = 5.0
+"""How long that may take."""
 
 
 async def body_of(request: Request, settings: Settings, most: int | None = None) -> bytes:
@@ -30,6 +37,8 @@ async def body_of(request: Request, settings: Settings, most: int | None = None)
     too_large = Problem(413, f"the body is larger than {most} bytes: send less", {"Connection": "close"})
     declared = request.headers.get("content-length", "0")
     if not declared.isascii() or not declared.isdigit() or int(declared[:20]) > most:
+        if declared.isascii() and declared.isdigit() and int(declared[:20]) <= _LINGER:
+            await _forget(request)
         raise too_large
     parts, size = [], 0
     try:
@@ -45,6 +54,19 @@ async def body_of(request: Request, settings: Settings, most: int | None = None)
     except ClientDisconnect:
         raise Gone("the client closed the connection") from None
     return b"".join(parts)
+
+
+async def _forget(request: Request) -> None:
+    """Read what is still being sent: a client that is cut off in mid-sentence does not read the answer."""
+    left = _LINGER
+    try:
+        async with asyncio.timeout(_LINGER_SECONDS):
+            async for part in request.stream():
+                left -= len(part)
+                if left < 0:
+                    return
+    except (TimeoutError, ClientDisconnect):
+        return
 
 
 def media_of(request: Request) -> str:
