@@ -665,7 +665,7 @@ def test_the_smallest_change(hans: Path) -> None:
     assert change["offset"] == pytest.approx([0, 0, -0.04], abs=2e-4)
     assert "no longer holds" in call("change", hans, "touches(extinguisher1, wall)").out
     far = call("change", hans, "above(extinguisher1, sweater)")
-    assert (far.code, far.out) == (NO, "Nothing within three metres changes it.\n")
+    assert (far.code, far.out) == (NO, "No move within three metres was found that changes it.\n")
     refused(call("change", hans, "above(extinguisher1, swaeter)"), "did you mean 'sweater'")
 
 

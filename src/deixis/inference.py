@@ -250,7 +250,9 @@ class Inference:
         """Raise :class:`QueryError` unless the scene has this view."""
         known = [one.id for one in self.scene.views]
         if view not in known:
-            raise QueryError(f"no view {view!r} in scene {self.scene.id!r}{hint(view, known)}")
+            called = next((one.id for one in self.scene.views if one.label == view), None)
+            meant = hint(view, known) if called is None else f": it is called {called!r}"
+            raise QueryError(f"no view {view!r} in scene {self.scene.id!r}{meant}")
 
 
 def _of_scene(facts: Facts, scene: Scene) -> Facts:

@@ -132,7 +132,7 @@ class KnowledgeBase(Explaining):
         """Return the smallest translation found of a goal's figure that makes it true or, if it is, false.
 
         It is verified: after the move the answer is another, and at nine tenths of the way not yet. None
-        where nothing within three metres changes it.
+        where no such move within three metres is found.
 
         Raises
         ------

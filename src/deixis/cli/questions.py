@@ -165,7 +165,7 @@ def change(
 ) -> None:
     """Find the smallest move of a thing that makes a relation hold, or cease to.
 
-    The move is verified by trying it. Exit codes: 0 there is one, 1 nothing within three metres does it, 2
+    The move is verified by trying it. Exit codes: 0 there is one, 1 none was found within three metres, 2
     the question is wrong.
     """
     with open_scene(scene, Region.BOX, rules) as kb:
@@ -173,12 +173,12 @@ def change(
     if output is TextOrJson.JSON:
         write_json({"goal": goal, "change": None if found is None else found.to_dict()})
     elif found is None:
-        print("Nothing within three metres changes it.")
+        print("No move within three metres was found that changes it.")
     else:
         x, y, z = found.offset
         becomes = "holds" if found.holds else "no longer holds"
         print(
-            f"Move {printable(found.thing)} by {x:.4f},{y:.4f},{z:.4f} m ({100 * found.distance:.1f} cm): "
+            f"Move {printable(found.thing)} by {x:.6f},{y:.6f},{z:.6f} m ({100 * found.distance:.1f} cm): "
             f"then {printable(goal)} {becomes}."
         )
     if found is None:

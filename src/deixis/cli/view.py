@@ -9,6 +9,8 @@ from typing import Annotated
 import typer
 
 from deixis.cli.commands import Region, RegionOption, RuleFiles, ScenePath, app, open_scene
+from deixis.errors import SceneError
+from deixis.strict_json import quoted
 
 
 @app.command()
@@ -30,5 +32,8 @@ def view(
     ready()
     with open_scene(scene, region, rules) as kb:
         page = kb.page(timeout=timeout).encode()
-    write_whole(target, page)
+    try:
+        write_whole(target, page)
+    except OSError as cause:
+        raise SceneError(f"{quoted(str(target), 200)} cannot be written: {cause.strerror}") from cause
     print(f"{target}: {len(page) / 1e6:.1f} MB", file=sys.stderr)

@@ -84,8 +84,9 @@ def lexicon(
     """
     from deixis.words.lexicon import ENTRIES, entry_of, words_for
 
-    said = () if word is None else words_for(word)
-    if word is not None and said:
+    known = word is not None and any(word in entry.forms for entry in ENTRIES)
+    said = () if word is None or known else words_for(word)
+    if said:
         print(", ".join(said))
         return
     for entry in ENTRIES if word is None else [entry_of(word)]:

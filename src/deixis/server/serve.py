@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
@@ -55,7 +56,9 @@ def serve(scenes: Sequence[Path], settings: Settings) -> None:
         lifespan="on",
     )
     server = uvicorn.Server(config)
-    server.run()
+    # Where it cannot start it would end the process with the code of a time-out.
+    with suppress(SystemExit):
+        server.run()
     if not server.started:
         raise DeixisError(
             f"the server could not start on {settings.host}:{settings.port}: is the port taken?"
