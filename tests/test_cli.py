@@ -710,3 +710,23 @@ def test_contrast(hans: Path) -> None:
     assert (both.code, both.out[:10]) == (NO, "Both hold:")
     neither = call("contrast", hans, "on_top_of(sign, heater)", "--rather-than", "near(sign, heater)")
     assert neither.code == NO
+
+
+def test_what_is_written_goes_through_links_and_pipes_and_keeps_its_mode(tmp_path: Path) -> None:
+    from deixis._files import write_whole
+
+    kept, link, pipe = tmp_path / "kept", tmp_path / "link", tmp_path / "pipe"
+    kept.write_bytes(b"old")
+    kept.chmod(0o600)
+    link.symlink_to(kept)
+    write_whole(link, b"new")
+    assert (link.is_symlink(), kept.read_bytes(), kept.stat().st_mode & 0o777) == (True, b"new", 0o600)
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write_whole(pipe, b"through")
+    assert os.read(reader, 100) == b"through"
+    os.close(reader)
+    assert pipe.is_fifo()
+    for place in (tmp_path, Path(), Path("/")):
+        with pytest.raises(IsADirectoryError):
+            write_whole(place, b"")

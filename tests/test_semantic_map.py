@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+import duckdb
 import psycopg
 import pytest
 
@@ -202,6 +203,33 @@ def test_a_place_without_a_map(tmp_path: Path) -> None:
         create_map(tmp_path / "no" / "such" / "folder.duckdb", room())
     with pytest.raises(MapError, match="cannot be read or written"):
         open_map(f"postgresql:///none?host={quote(str(tmp_path), safe='')}")
+
+
+def test_an_init_that_was_cut_off_can_be_done_again(tmp_path: Path) -> None:
+    for number, statements in enumerate(([], ["CREATE TABLE migration (number integer PRIMARY KEY)"])):
+        place = tmp_path / f"{number}.duckdb"
+        with duckdb.connect(str(place)) as connection:
+            for statement in statements:
+                connection.execute(statement)
+        create_map(place, room()).close()
+        with open_map(place) as kept:
+            assert kept.frames() == ()
+    foreign = tmp_path / "foreign.duckdb"
+    with duckdb.connect(str(foreign)) as connection:
+        connection.execute("CREATE TABLE theirs (x integer)")
+    with pytest.raises(MapError, match="holds other tables"):
+        open_map(foreign)
+    with pytest.raises(MapError, match="holds other tables"):
+        create_map(foreign, room())
+
+
+@pytest.mark.parametrize(
+    "told", ["u:secret pw@[::1/x", "u:sec%zzret@localhost/x", "u:p@secretpw@127.0.0.1:1/x"]
+)
+def test_no_message_holds_a_password(told: str) -> None:
+    with pytest.raises(MapError, match="not well formed") as caught:
+        open_map(f"postgresql://{told}")
+    assert "sec" not in str(caught.value)
 
 
 def test_another_process_waits_for_its_turn(tmp_path: Path) -> None:

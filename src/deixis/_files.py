@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import shutil
 from pathlib import Path
 from typing import Final
 
@@ -44,10 +46,23 @@ def kb_dir() -> Path:
 
 
 def write_whole(place: Path, text: bytes) -> None:
-    """Write a file whole or not at all: an interrupted write leaves the old one, and nothing beside it."""
+    """Write a file whole or not at all: an interrupted write leaves the old one, and nothing beside it.
+
+    A link is followed, and a file that is replaced keeps its mode. What is no file, a pipe or a device, is
+    written to as it is.
+    """
+    if place.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(place))
+    if place.exists() and not place.is_file():
+        with place.open("wb") as sink:
+            sink.write(text)
+        return
+    place = place.resolve()
     draft = place.with_name(f".{place.name}.{os.getpid()}.part")
     try:
         draft.write_bytes(text)
+        if place.exists():
+            shutil.copymode(place, draft)
         draft.replace(place)
     except OSError:
         draft.unlink(missing_ok=True)

@@ -94,8 +94,12 @@ def moved(scene: Scene, offsets: Mapping[str, ArrayLike]) -> Scene:
     things = list(scene.objects)
     for name, given in offsets.items():
         position = scene.index(name)
-        offset = np.array(given, dtype=np.float64)
-        if offset.shape != (3,) or not np.isfinite(offset).all():
+        try:
+            numeric = np.asarray(given).dtype.kind in "iuf"
+            offset = np.array(given, dtype=np.float64)
+        except (TypeError, ValueError):
+            numeric, offset = False, np.zeros(0)
+        if not numeric or offset.shape != (3,) or not np.isfinite(offset).all():
             raise SceneError(f"the move of {quoted(name)} is not x, y, z in metres: give three numbers")
         things[position] = replace(things[position], region=shifted(things[position].region, offset))
     return replace(scene, objects=tuple(things))

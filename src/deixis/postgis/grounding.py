@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from deixis.addresses import REMEDY, well_formed
 from deixis.errors import GeometryError, MissingDependency
 from deixis.facts import Facts, PairColumns, ViewFacts, withheld_reason
 from deixis.frames import WORLD, Array, Index
@@ -98,6 +99,8 @@ def session(where: str | psycopg.Connection[Any]) -> Iterator[psycopg.Connection
     """Open one transaction in which Table 1(a) can be worked through, and leave nothing of it behind."""
     try:
         if isinstance(where, str):
+            if not well_formed(where):
+                raise GeometryError(f"the address of the database is not well formed: {REMEDY}")
             with psycopg.connect(where, autocommit=True) as connection, session(connection):
                 yield connection
             return

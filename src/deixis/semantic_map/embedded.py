@@ -49,8 +49,8 @@ class DuckdbMap(SemanticMap):
 
     def __init__(self, path: Path, *, create: bool, patience: float = _PATIENCE) -> None:
         super().__init__(quoted(str(path), 200))
-        if create and path.exists():
-            raise MapError(f"{self.address} is there already: add to it, or choose another file")
+        if create and path.exists() and not path.is_file():
+            raise MapError(f"{self.address} is no file: choose another place")
         if not create and not path.is_file():
             raise MapError(f"{self.address} is no file: make a map with `deixis map init`")
         self._connection = self._connect(path, time.monotonic() + patience)
@@ -79,6 +79,9 @@ class DuckdbMap(SemanticMap):
 
     def _migrate(self) -> None:
         with self._transaction():
+            tables = {name for (name,) in self._rows("SELECT table_name FROM duckdb_tables()")}
+            if tables and "migration" not in tables:
+                raise MapError(f"{self.address} holds other tables: choose another file")
             self._connection.execute("CREATE TABLE IF NOT EXISTS migration (number integer PRIMARY KEY)")
             done = [number for (number,) in self._rows("SELECT number FROM migration")]
             for number, text in migrations(done, "duckdb"):

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, Final
 
+from deixis.addresses import REMEDY, well_formed
 from deixis.errors import MapError, MissingDependency
 from deixis.scene import Scene
 from deixis.semantic_map.records import Row, shape_rows
@@ -47,6 +48,8 @@ class PostgresMap(SemanticMap):
 
     def __init__(self, address: str) -> None:
         super().__init__("the PostgreSQL database")
+        if not well_formed(address):
+            raise MapError(f"the address of the database is not well formed: {REMEDY}")
         with self._ours():
             self._connection: psycopg.Connection[Row] = psycopg.connect(
                 address, autocommit=True, cursor_factory=psycopg.RawCursor

@@ -193,8 +193,8 @@ def _position(cursor: str | None) -> int:
         return 0
     try:
         position = json.loads(base64.urlsafe_b64decode(cursor))["from"]
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         position = None
-    if not isinstance(position, int) or position < 0:
+    if not isinstance(position, int) or isinstance(position, bool) or position < 0:
         raise QueryError("this cursor is none of this server's: take it from `next` of the page before")
     return position
