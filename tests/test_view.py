@@ -177,7 +177,9 @@ def test_the_page_is_small_and_names_its_licences() -> None:
 @built
 def test_the_readme_s_command_writes_it(tmp_path: Path) -> None:
     (block,) = blocks("shell")
-    name, *words = shlex.split(block["text"])
+    first, second = block["text"].splitlines()
+    assert first.startswith("make page ")
+    name, *words = shlex.split(second)
     assert (name, words[-1]) == ("deixis", "scene.html")
     result = run(*words[:-1], tmp_path / words[-1], cwd=ROOT)
     assert (result.code, result.out) == (0, "")
