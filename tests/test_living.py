@@ -142,6 +142,36 @@ def test_kept_up_for_ten_thousand_steps(seed: int, own: Path) -> None:
     follow(500, seed, [own, Path("support")], 1)
 
 
+def test_what_becomes_a_surface_or_ceases_to_be_one() -> None:
+    block, cup = box("o1", (0, 0, 0.5), (1, 1, 1)), box("o2", (0, 0, 1.1), (0.2, 0.2, 0.2))
+    kb = KnowledgeBase(scene(floor(), block, cup))
+    for kind in ("surface", "object", "surface"):
+        kb.update(Update.from_dict({"objects": [{**block, "kind": kind}]}, kb.scene))
+        assert kept(kb) == everything(kb)
+        assert any(one[:2] == ("on_top_of", "o1") for one in kept(kb)) == (kind == "object")
+
+
+def test_rules_may_speak_of_what_is_not_there(tmp_path: Path) -> None:
+    path = tmp_path / "ghost.pl"
+    path.write_text(
+        "known(ghost, floor).\nknown(A, 'floor') :- on_top_of(A, 'floor').\n"
+        "marked(ghost, here).\nmarked(A, here) :- surface(A).\n",
+        encoding="utf-8",
+    )
+    kb = KnowledgeBase(scene(floor(), box("o1", (0, 0, 0.1), (0.2, 0.2, 0.2))), rules=[path])
+    updates: list[Any] = [
+        {"moves": {"o1": [0, 0, 0.5]}},
+        {"objects": [box("ghost", (0.5, 0, 0.1), (0.2, 0.2, 0.2))]},
+        {"moves": {"ghost": [0, 0, 1]}},
+        {"removed": ["ghost"]},
+        {"removed": ["floor"]},
+    ]
+    for told in updates:
+        kb.update(Update.from_dict(told, kb.scene))
+        assert kept(kb) == everything(kb)
+        assert ("marked", "ghost", "here", None) in kept(kb)
+
+
 def test_a_larger_room_is_kept_up() -> None:
     """Things among many: most conclusions are not looked at again."""
     kb = KnowledgeBase(room(150))

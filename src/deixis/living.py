@@ -8,7 +8,7 @@ recursion for instance, are run in full. The result is always that of a full run
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,7 +69,7 @@ class Living:
         self._far = [one for one in wanted if not self._extents[one].bounded]
         self._groups: dict[Extent, list[Indicator]] = {}
         for one in self._near:
-            self._groups.setdefault(replace(self._extents[one], viewed=False), []).append(one)
+            self._groups.setdefault(self._extents[one], []).append(one)
         self.holds: dict[Known, float] = {}
         self._about: dict[str, set[Known]] = {}
         self._note(self._derive(facts, labels, wanted))
@@ -163,7 +163,10 @@ class _Around:
         self._count = len(after.ids)
         self._positions = positions
         self._names = [*after.ids, *(before.ids[at] for at in gone)]
-        self._surface = np.concatenate([after.surface, before.surface[gone]])
+        # What was a surface and is none, or the other way round, has conclusions about it as a figure.
+        surface = np.concatenate([after.surface, before.surface[gone]])
+        surface[here] &= before.surface
+        self._surface = surface
         self._links = (
             np.concatenate([after.figure, here[before.figure[rows]]]),
             np.concatenate([after.reference, here[before.reference[rows]]]),
@@ -180,7 +183,10 @@ class _Around:
 
     def touches(self, extent: Extent, row: Row) -> bool:
         """Return whether a conclusion may rest on what changed."""
-        at = [self._positions[row[place]] for place in extent.things]
+        names = [row[place] for place in extent.things]
+        if not all(name in self._positions for name in names):
+            return False  # written in a rule file, of something that is not there
+        at = [self._positions[name] for name in names]
         if any(self._surface[at[figure]] for figure in extent.figures):
             return False
         return any(

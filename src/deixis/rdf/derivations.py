@@ -10,11 +10,12 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Final
 
 from deixis.rdf.evidence import write_evidence
-from deixis.rdf.knowledge import Holds, Step
+from deixis.rdf.knowledge import Holds
 from deixis.rdf.layout import TERM, term
 from deixis.rdf.names import SceneNames
 from deixis.rdf.quads import GraphWriter
 from deixis.rdf.relations import arguments, graph_of, relation_iri
+from deixis.steps import Step
 from deixis.vocabulary import BY_NAME
 
 STEPS: Final = {

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from textwrap import wrap
 from typing import Final
 
-from deixis.render.steps import Step, amount, reasons, visible
+from deixis.render.steps import amount, reasons, visible
+from deixis.steps import Step
 
 _SHAPES: Final = {
     "rule": "box",

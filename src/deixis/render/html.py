@@ -11,7 +11,8 @@ from html import escape
 from typing import Final
 
 from deixis.evidence import Evidence, Point, Value
-from deixis.render.steps import Step, amount, reasons, visible
+from deixis.render.steps import amount, reasons, visible
+from deixis.steps import Step
 
 Part = tuple[str, Sequence[Step]]
 """A heading, and the steps below it."""

@@ -40,7 +40,6 @@ VIEWS: Final = frozenset({("viewpoint", 1), ("view_label", 2), ("aspect", 7), ("
 _FAR: Final = 1 << 20
 """More links than there are."""
 
-
 Ways = tuple[int, ...]
 """How far something that a conclusion rests on is from each thing that the conclusion names, in links."""
 
@@ -59,8 +58,6 @@ class Extent:
         Which of ``things``, counted from 0, are figures and so never surfaces, which are near everything.
     span : int
         The things it names are at most so many links from each other.
-    viewed : bool
-        Whether it rests on where the views are.
     bounded : bool
         Whether it looks no further than some number of links.
     """
@@ -69,7 +66,6 @@ class Extent:
     looks: frozenset[Ways] = frozenset()
     figures: frozenset[int] = frozenset()
     span: int = 0
-    viewed: bool = False
     bounded: bool = True
 
 
@@ -93,10 +89,9 @@ def extents(ruleset: Ruleset) -> dict[Indicator, Extent]:
                 found[predicate] = _joined(rules, found)
                 continue
             below = [found[one] for one in _below(ruleset, component) if one not in component]
-            viewed = any(one.viewed for one in below)
             # Recursion over what is written in files looks at nothing that was measured.
             rests = any(one.looks or not one.bounded for one in below)
-            found[predicate] = Extent(viewed=viewed, bounded=not rests)
+            found[predicate] = Extent(bounded=not rests)
     return found
 
 
@@ -104,7 +99,7 @@ def _base(predicate: Indicator) -> Extent:
     things = _THINGS.get(predicate, ())
     looks = frozenset(tuple(int(at != other) for other in range(len(things))) for at in range(len(things)))
     figures = frozenset({0} if predicate in _ORDERED else ())
-    return Extent(things, looks if things else frozenset(), figures, int(len(things) > 1), predicate in VIEWS)
+    return Extent(things, looks if things else frozenset(), figures, int(len(things) > 1))
 
 
 def _below(ruleset: Ruleset, component: Iterable[Indicator]) -> Iterator[Indicator]:
@@ -128,11 +123,10 @@ def _joined(rules: Sequence[Rule], found: Mapping[Indicator, Extent]) -> Extent:
             span = max(span, one.span(things))
     if len(things) > 1 and len(every) < len(rules):
         bounded = False  # what is written in a file links any two
-    viewed = any(one.viewed for one in every)
     if not bounded:
-        return Extent(things, viewed=viewed, bounded=False)
+        return Extent(things, bounded=False)
     figures = frozenset.intersection(*(one.figures(things) for one in every)) if every else frozenset()
-    return Extent(things, frozenset(_outermost(looks)), figures, span, viewed)
+    return Extent(things, frozenset(_outermost(looks)), figures, span)
 
 
 def _outermost(looks: Iterable[Ways]) -> Iterator[Ways]:
@@ -155,7 +149,6 @@ class _Reach:
             for goal in denials
         ]
         every = [*self._stated, *(used for denied in self._denied for used in denied)]
-        self.viewed = any(extent.viewed for _, extent in every)
         self._bounded = all(extent.bounded for _, extent in every)
         self._links = _links(self._stated)
         named = {name for atom, extent in self._stated for name in _named(atom, extent.things)}
