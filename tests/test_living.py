@@ -15,7 +15,7 @@ import pytest
 from bench.job import room
 from commands import Result, run
 from deixis._files import datalog_files
-from deixis.errors import SceneError
+from deixis.errors import QueryTimeout, SceneError
 from deixis.facts import Facts
 from deixis.grounding import ground
 from deixis.knowledge import KnowledgeBase
@@ -314,3 +314,25 @@ def test_a_bad_line_changes_nothing_and_says_so() -> None:
     assert done.code == 2
     assert ["error" in one for one in told] == [True, True, False]
     assert set(told[2]["lost"][0]) == {"relation", "figure", "reference", "view", "margin"}
+
+
+def test_a_derivation_that_takes_too_long_changes_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "wide.pl"
+    path.write_text(
+        "trio(A, B, C) :- spatial_obj(A), spatial_obj(B), spatial_obj(C).\n"
+        "wide(A, F) :- trio(A, B, C), trio(D, E, F), A \\== B, C \\== D, E \\== F.\n",
+        encoding="utf-8",
+    )
+    things = [box(f"o{at}", (at, 0, 0.1), (0.2, 0.2, 0.2)) for at in range(60)]
+    kb = KnowledgeBase(scene(floor(), *things[:3]), rules=[path])
+    before, holds = kb.scene, dict(kb._living.holds)
+    monkeypatch.setattr(kb._living, "_timeout", 0.5)
+    crowd = scene(*things[3:])
+    with pytest.raises(QueryTimeout, match=r"within 0\.5 s"):
+        kb.update(Update(objects=crowd.objects))
+    assert (kb.scene, kb._living.holds) == (before, holds)
+    monkeypatch.setattr(kb._living, "_timeout", 60.0)
+    assert kb.update(Update.from_dict({"moves": {"o1": [0, 0, 1]}}, kb.scene))
+    assert kept(kb) == everything(kb)

@@ -50,6 +50,8 @@ class Living:
     facts : Facts
     labels : sequence of (str, str)
         Id and label of each view.
+    timeout : float
+        Seconds that each derivation may take; one that takes longer leaves all as it was.
     """
 
     def __init__(
@@ -59,8 +61,10 @@ class Living:
         wanted: Sequence[Indicator],
         facts: Facts,
         labels: Labels,
+        *,
+        timeout: float = 60.0,
     ) -> None:
-        self._executor, self._facts = executor, facts
+        self._executor, self._facts, self._timeout = executor, facts, timeout
         known = extents(ruleset)
         self._extents: dict[Indicator, Extent] = {one: known[one] for one in wanted}
         plans = {one: Plan.of(ruleset, [one], margins=True) for one in wanted}
@@ -123,7 +127,7 @@ class Living:
         return Difference(gained, lost)
 
     def _derive(self, facts: Facts, labels: Labels, wanted: Sequence[Indicator]) -> dict[Known, float]:
-        tables = self._executor.run(facts, wanted, view_labels=labels)
+        tables = self._executor.run(facts, wanted, view_labels=labels, timeout=self._timeout)
         return {
             (predicate, tuple(map(str, row))): margin
             for predicate, table in tables.items()
