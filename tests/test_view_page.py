@@ -84,6 +84,23 @@ def test_a_click_on_a_relation_explains_it_and_lights_it_up(window: Window) -> N
     assert LEANS in window.page.url
 
 
+def test_a_click_is_not_lost_when_the_list_moves_under_it(window: Window) -> None:
+    row = window.page.locator(".row", has_text="is left of the radiator").first
+    row.scroll_into_view_if_needed()
+    window.drawn()
+    place = row.bounding_box()
+    assert place is not None
+    window.page.mouse.move(place["x"] + 20, place["y"] + place["height"] / 2)
+    window.page.mouse.down()
+    window.page.evaluate("() => { document.querySelector('#rows').scrollTop += 1; }")
+    window.page.set_viewport_size({"width": 1390, "height": 890})
+    window.drawn()
+    window.page.mouse.up()
+    window.drawn()
+    assert "relation=left_of" in window.page.url
+    assert window.page.locator('.row[aria-selected="true"]').count() == 1
+
+
 def test_a_click_on_a_leaf_lights_up_what_was_measured(window: Window) -> None:
     window.click(".row", "is left of the radiator")
     whole = window.picture()

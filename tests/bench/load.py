@@ -19,6 +19,9 @@ import uvloop
 MOST_OPEN = 512
 """Hostile requests that may be open at the same time."""
 
+BACK_OFF = 0.01
+"""Seconds until one that was hung up on tries again: at once would take the processor from the rest."""
+
 
 async def ask(reader: asyncio.StreamReader, writer: asyncio.StreamWriter, request: bytes) -> int:
     """Send a request and read its answer; return the status."""
@@ -52,6 +55,7 @@ class Load:
                 reader, writer = await asyncio.open_connection("127.0.0.1", self.port)
             except OSError:
                 self.failed += 1
+                await asyncio.sleep(BACK_OFF)
                 continue
             try:
                 while time.perf_counter() < self.end:
@@ -67,6 +71,7 @@ class Load:
                         self.failed += 1
             except (OSError, asyncio.IncompleteReadError, TimeoutError):
                 self.failed += 1
+                await asyncio.sleep(BACK_OFF)
             finally:
                 writer.close()
 

@@ -1,4 +1,4 @@
-"""All rules over a large map: DuckDB beside SWI-Prolog, clingo and Nemo, end to end.
+"""All rules over a large map: DuckDB and arrays beside SWI-Prolog, clingo and Nemo, end to end.
 
     python -m bench.rules_bench [ENGINE COUNT]
 
@@ -24,6 +24,8 @@ import numpy as np
 
 from bench.job import room, scattered
 from deixis._files import datalog_files, theory_files
+from deixis.arrays import ArrayExecutor
+from deixis.engines import AutoExecutor
 from deixis.facts import Facts
 from deixis.grounding import ground
 from deixis.ruleset import Indicator, Ruleset, load
@@ -44,8 +46,8 @@ from deixis.sql import SqlExecutor
 from deixis.vocabulary import BASE, RELATIONS
 
 WANTED: list[Indicator] = [(term.name, term.arity) for term in (*BASE, *RELATIONS)]
-ENGINES = ("duckdb", "prolog", "clingo", "nemo")
-SHOWN = {"duckdb": "DuckDB", "prolog": "SWI-Prolog", "clingo": "clingo", "nemo": "Nemo"}
+ENGINES = ("duckdb", "arrays", "prolog", "clingo", "nemo")
+SHOWN = {"duckdb": "DuckDB", "arrays": "arrays", "prolog": "SWI-Prolog", "clingo": "clingo", "nemo": "Nemo"}
 CUT = 2_140_000_000
 """Nanometres: what clingo can count, a little less than its 2**31."""
 
@@ -61,6 +63,11 @@ class Measured(NamedTuple):
 def duckdb(facts: Facts) -> dict[str, int]:
     with SqlExecutor(load(datalog_files())) as executor:
         found = executor.run(facts, WANTED, margins=False)
+    return {name: len(table) for (name, _), table in found.items()}
+
+
+def arrays(facts: Facts) -> dict[str, int]:
+    found = ArrayExecutor(load(datalog_files())).run(facts, WANTED, margins=False)
     return {name: len(table) for (name, _), table in found.items()}
 
 
@@ -192,6 +199,7 @@ def measure(name: str, count: int) -> Measured:
     """Return the measurement of one engine, in this process."""
     work: dict[str, Callable[[Facts], dict[str, int]]] = {
         "duckdb": duckdb,
+        "arrays": arrays,
         "prolog": prolog,
         "clingo": clingo,
         "nemo": nemo,
@@ -199,7 +207,7 @@ def measure(name: str, count: int) -> Measured:
     facts = ground(scattered(count))
     seconds = []
     rows: dict[str, int] = {}
-    for _ in range(3 if name == "duckdb" else 1):
+    for _ in range(3 if name in ("duckdb", "arrays") else 1):
         start = time.perf_counter()
         rows = work[name](facts)
         seconds.append(time.perf_counter() - start)
@@ -222,7 +230,7 @@ def small() -> tuple[int, float, float]:
     facts = ground(room(100))
     wanted: list[Indicator] = [(term.name, term.arity) for term in RELATIONS]
     best = []
-    with SqlExecutor(load(datalog_files())) as executor:
+    with AutoExecutor(load(datalog_files())) as executor:
         for margins in (True, False):
             taken: list[float] = []
             for _ in range(50):
@@ -241,7 +249,7 @@ def section(count: int = 100_000) -> Iterator[str]:
     yield (
         f"{count:,} things, {pairs:,} ordered pairs within reach; all {len(WANTED)} relations of the rules, "
         "from facts in memory to answers in memory: starting the engine, loading, deriving, reading back. "
-        "Without margins. Least of three runs for DuckDB, one for the others, each in its own process."
+        "Without margins. Least of three runs for DuckDB and arrays, of one for others, each in a process."
     )
     yield ""
     yield "| engine | seconds | ratio | peak, GiB | answers |"

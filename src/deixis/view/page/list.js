@@ -35,6 +35,7 @@ export class List {
   /** Show these rows, one of them selected. */
   show(rows, selected) {
     const moved = rows !== this.rows || rows[this.at] !== selected;
+    if (rows !== this.rows) this.inner.replaceChildren();
     this.rows = rows;
     this.at = selected ? rows.indexOf(selected) : -1;
     this.inner.style.height = `${rows.length * TALL}px`;
@@ -51,21 +52,32 @@ export class List {
   draw() {
     const first = Math.max(0, Math.floor(this.host.scrollTop / TALL) - SPARE);
     const last = Math.min(this.rows.length, Math.ceil((this.host.scrollTop + this.host.clientHeight) / TALL) + SPARE);
-    const elements = [];
-    for (let at = first; at < last; at += 1) {
-      const element = this.describe(this.rows[at]);
-      element.id = `row-${at}`;
-      element.dataset.at = at;
-      element.setAttribute("role", "option");
-      element.setAttribute("aria-selected", String(at === this.at));
-      element.setAttribute("aria-setsize", this.rows.length);
-      element.setAttribute("aria-posinset", at + 1);
-      element.style.top = `${at * TALL}px`;
-      elements.push(element);
+    const drawn = new Map();
+    for (const element of [...this.inner.children]) {
+      const at = Number(element.dataset.at);
+      if (at < first || at >= last) element.remove();
+      else drawn.set(at, element);
     }
-    this.inner.replaceChildren(...elements);
+    // What stays is left where it is: a click whose row is exchanged under the pointer would be lost.
+    let next = this.inner.firstElementChild;
+    for (let at = first; at < last; at += 1) {
+      const element = drawn.get(at) ?? this.inner.insertBefore(this.row(at), next);
+      element.setAttribute("aria-selected", String(at === this.at));
+      next = element.nextElementSibling;
+    }
     const seen = this.at >= first && this.at < last;
     if (seen) this.host.setAttribute("aria-activedescendant", `row-${this.at}`);
     else this.host.removeAttribute("aria-activedescendant");
+  }
+
+  row(at) {
+    const element = this.describe(this.rows[at]);
+    element.id = `row-${at}`;
+    element.dataset.at = at;
+    element.setAttribute("role", "option");
+    element.setAttribute("aria-setsize", this.rows.length);
+    element.setAttribute("aria-posinset", at + 1);
+    element.style.top = `${at * TALL}px`;
+    return element;
   }
 }
