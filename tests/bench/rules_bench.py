@@ -249,7 +249,8 @@ def section(count: int = 100_000) -> Iterator[str]:
     yield (
         f"{count:,} things, {pairs:,} ordered pairs within reach; all {len(WANTED)} relations of the rules, "
         "from facts in memory to answers in memory: starting the engine, loading, deriving, reading back. "
-        "Without margins. Least of three runs for DuckDB and arrays, of one for others, each in a process."
+        "Without margins. Least of three runs for DuckDB and arrays, one run for the others, each in its own "
+        "process."
     )
     yield ""
     yield "| engine | seconds | ratio | peak, GiB | answers |"
