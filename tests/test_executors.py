@@ -504,6 +504,14 @@ def test_a_question_that_takes_too_long_is_stopped(files: list[RuleFile], sql: S
         ArrayExecutor(ruleset).run(facts, [("q", 1)], timeout=0.0)
 
 
+def test_a_triple_store_is_stopped_in_the_midst_of_a_rule(files: list[RuleFile]) -> None:
+    text = "".join(f"n(n{at}).\n" for at in range(1500)) + "wide(A, B) :- n(A), n(B)."
+    file, _ = read_text(text, Path("wide.pl"))
+    facts = KnowledgeBase.from_scene(GOLDEN["cup_on_table"]).facts
+    with pytest.raises(QueryTimeout, match=r"0\.3 s"):
+        SparqlExecutor(assemble(files, [file])[0]).run(facts, [("wide", 2)], timeout=0.3)
+
+
 def test_what_is_too_much_for_arrays_is_left_to_duckdb(files: list[RuleFile]) -> None:
     text = "".join(f"n(n{at}).\n" for at in range(300))
     text += "q(A, B) :- n(A), n(B), n(C), A \\== B, B == C."

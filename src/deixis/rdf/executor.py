@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,9 @@ except ModuleNotFoundError:
     raise MissingDependency("SPARQL needs pyoxigraph: pip install 'deixis[rdf]'") from None
 
 Value = str | float
+_OFTEN = 1024
+"""Results after which the clock is looked at."""
+
 _TYPE = ox.NamedNode(TYPE)
 _DOUBLE = ox.NamedNode(DOUBLE)
 
@@ -84,14 +87,15 @@ class SparqlExecutor:
         view_labels : sequence of (str, str)
             Id and label of each view.
         timeout : float, optional
-            Seconds, looked at between two rules: a triple store does not let go of a query.
+            Seconds, looked at before each rule and as it yields: while a triple store searches and finds
+            nothing it does not let go of a query.
 
         Raises
         ------
         QueryTimeout
             It took longer.
         """
-        deadline = None if timeout is None else time.monotonic() + timeout
+        clock = _Clock(timeout)
         needed = self.ruleset.graph.needed(wanted)
         store = ox.Store()
         for predicate in sorted(needed):
@@ -104,12 +108,11 @@ class SparqlExecutor:
             while again:
                 before = len(store)
                 for text in texts:
-                    if deadline is not None and time.monotonic() > deadline:
-                        raise QueryTimeout(
-                            f"no answer within {timeout:g} s: ask something narrower, or allow more time"
-                        )
+                    clock.look()
                     found: Any = store.query(text)
-                    store.extend([ox.Quad(one.subject, one.predicate, one.object) for one in found])
+                    store.extend(
+                        [ox.Quad(one.subject, one.predicate, one.object) for one in clock.timed(found)]
+                    )
                 again = bool(component & self.ruleset.graph.recursive) and len(store) > before
         return {one: self._rows(store, one) for one in wanted}
 
@@ -171,3 +174,31 @@ def _quads(
             yield ox.Quad(values[0], _TYPE, name)
         else:
             yield ox.Quad(values[0], name, values[1])
+
+
+class _Clock:
+    """Tells when the time for an answer is over.
+
+    Parameters
+    ----------
+    seconds : float or None
+        From now; None for as long as it takes.
+    """
+
+    def __init__(self, seconds: float | None) -> None:
+        self._seconds = seconds
+        self._end = None if seconds is None else time.monotonic() + seconds
+
+    def look(self) -> None:
+        """Raise QueryTimeout if it is."""
+        if self._end is not None and time.monotonic() > self._end:
+            raise QueryTimeout(
+                f"no answer within {self._seconds:g} s: ask something narrower, or allow more time"
+            )
+
+    def timed(self, found: Iterable[Any]) -> Iterator[Any]:
+        """Yield what there is, as long as there is time."""
+        for number, one in enumerate(found):
+            if number % _OFTEN == 0:
+                self.look()
+            yield one
