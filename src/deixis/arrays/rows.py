@@ -138,7 +138,7 @@ def _packed(columns: Sequence[Column], strides: Sequence[int]) -> NDArray[np.int
     key = np.zeros(len(columns[0]), dtype=np.int64)
     for column, low, width in zip(columns, strides[::2], strides[1::2], strict=True):
         key *= width
-        key += np.clip(column - low, 0, width - 1)
+        key += np.minimum(np.maximum(column - low, 0), width - 1)
     return key
 
 
