@@ -143,6 +143,8 @@ class PairColumns:
         """
         if keep.all():
             return self
+        if len(keep) <= _CHUNK:
+            return self.at(np.flatnonzero(keep))
         columns = {name: getattr(self, name) for name in self.__slots__}
 
         def squeeze(name: str) -> None:
@@ -162,7 +164,7 @@ class PairColumns:
 
     def at(self, rows: Index) -> PairColumns:
         """Return the rows at the given positions."""
-        return PairColumns(*(getattr(self, name)[rows] for name in self.__slots__))
+        return PairColumns(*(getattr(self, name).take(rows, axis=0) for name in self.__slots__))
 
     def joined(self, more: PairColumns) -> PairColumns:
         """Return these rows followed by more."""

@@ -119,10 +119,12 @@ class Kept:
             np.concatenate([self.margin, more.margin]),
         )
 
-    def without(self, other: Kept, names: int) -> Kept:
-        """Return what of this is not there in another; neither has anything twice."""
+    def without(self, other: Kept, names: int) -> tuple[Kept, Kept]:
+        """Return what of this is not in another, and what of that is not in this; none has anything twice."""
+        if not len(self) or not len(other):
+            return self, other
         mine, theirs = _keys(self, other, names)
-        return self.at(np.isin(mine, theirs, assume_unique=True, invert=True))
+        return self.at(_absent(mine, theirs)), other.at(_absent(theirs, mine))
 
     def named(self, predicates: Sequence[Indicator], texts: Sequence[str]) -> Iterator[tuple[Known, float]]:
         """Yield each conclusion by its names, with its margin."""
@@ -141,6 +143,13 @@ def _keys(one: Kept, other: Kept, names: int) -> tuple[Index, Index]:
     both = one.joined(other)
     _, group = grouped([both.predicate, *both.args])
     return group[: len(one)], group[len(one) :]
+
+
+def _absent(keys: Index, others: Index) -> Mask:
+    """Return which keys are none of some others."""
+    known = np.sort(others)
+    at = np.minimum(np.searchsorted(known, keys), len(known) - 1)
+    return np.asarray(known[at] != keys)
 
 
 def _packed(kept: Kept, width: int) -> Index:

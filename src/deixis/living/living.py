@@ -152,10 +152,12 @@ class Living:
         gained: dict[Known, float] = {}
         lost: dict[Known, float] = {}
         for kept, after, drop in zip(self._kept, self._split(found), dropped, strict=True):
-            before = kept.at(drop)
-            gained |= after.without(before, names).named(self._wanted, self._names.texts)
-            lost |= before.without(after, names).named(self._wanted, self._names.texts)
-            every.append(kept.at(~drop).joined(after) if len(before) or len(after) else kept)
+            before = kept.at(np.flatnonzero(drop))
+            new, old = after.without(before, names)
+            gained |= new.named(self._wanted, self._names.texts)
+            lost |= old.named(self._wanted, self._names.texts)
+            changed = len(before) > 0 or len(after) > 0
+            every.append(kept.at(np.flatnonzero(~drop)).joined(after) if changed else kept)
         self._kept, self._now = every, now
         if len(self._names) > 2 * len(now.codes) + _SPARE:
             self._forget()
@@ -163,7 +165,7 @@ class Living:
 
     def _split(self, found: Kept) -> list[Kept]:
         group = self._group[found.predicate]
-        return [found.at(group == at) for at in range(len(self._groups))]
+        return [found.at(np.flatnonzero(group == at)) for at in range(len(self._groups))]
 
     def _forget(self) -> None:
         """Give up the names of what is not there any more."""
