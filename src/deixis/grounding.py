@@ -90,7 +90,8 @@ def labels_of(scene: Scene) -> tuple[tuple[tuple[str, float], ...], ...]:
 def solid_models(scene: Scene, region: RegionModel) -> tuple[SolidModel, ...]:
     """Return what each thing of a scene is measured as."""
     if region == "box":
-        return ("box",) * len(scene.objects)
+        box: SolidModel = "box"
+        return (box,) * len(scene.objects)
     from deixis.solids import Solids
 
     return Solids.of(scene, region).models

@@ -130,18 +130,14 @@ class _Change:
                     moved[new] |= not _alike(before.objects[old].region, after.objects[new].region)
         return cls(place, moved, facts.ids == names)
 
-    def labels(
-        self, before: Scene, after: Scene, facts: Facts
-    ) -> tuple[tuple[tuple[str, float], ...], ...]:
+    def labels(self, before: Scene, after: Scene, facts: Facts) -> tuple[tuple[tuple[str, float], ...], ...]:
         """Return the labels of now, made anew only where a thing is told of anew."""
         if not self.same:
             return labels_of(after)
-        others = [
-            at for at, (old, new) in enumerate(zip(before.objects, after.objects, strict=True)) if old is not new
-        ]
         found = list(facts.labels)
-        for at in others:
-            found[at] = tuple([(label.name, label.score) for label in after.objects[at].labels])
+        for at, (old, new) in enumerate(zip(before.objects, after.objects, strict=True)):
+            if old is not new:
+                found[at] = tuple((label.name, label.score) for label in new.labels)
         return tuple(found)
 
 
@@ -161,7 +157,7 @@ def _alike(one: Region, other: Region) -> bool:
 
 
 def _pairs(facts: Facts, after: Scene, change: _Change) -> tuple[PairColumns, Index]:
-    """Return the pair table of now, and for each row where it is from: a row of before, or one beyond them."""
+    """Return the pair table of now, and where each row is from: a row of before, or one beyond them."""
     old, boxes, limits = facts.pairs, after.boxes, after.thresholds
     figure, reference = old.figure, old.reference
     if not change.same:

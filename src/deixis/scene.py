@@ -252,7 +252,9 @@ class Scene:
         )  # fmt: skip
         # Known already: cached_property looks here first.
         scene.__dict__["_rows"] = tuple(every)
-        scene.__dict__["boxes"] = self.boxes.joined(_boxes(rows)).take(source) if given or gone else self.boxes
+        scene.__dict__["boxes"] = (
+            self.boxes.joined(_boxes(rows)).take(source) if given or gone else self.boxes
+        )
         if not gone and not fresh:
             scene.__dict__["_positions"] = self._positions
         return scene

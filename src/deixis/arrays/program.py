@@ -136,7 +136,8 @@ def program(
     """
     known = rule_lengths([goal for goal in rule.body if isinstance(goal, Atom)], lengths)
     denied = [goal for goal in rule.body if isinstance(goal, Negation)]
-    needed = {one.name for part in (rule.head, *denied) for one in variables(part)}
+    parts: list[Goal] = [rule.head, *denied]
+    needed = {one.name for part in parts for one in variables(part)}
     held: dict[str, bool] = {}
     body = _ordered(rule.body, mode, held, needed, known, limits)
     denials = []
@@ -152,7 +153,9 @@ def program(
 
         denials.append(
             Denial(
-                frozenset(named), inner("truth") if mode == "truth" else None, inner("near") if margins else None
+                frozenset(named),
+                inner("truth") if mode == "truth" else None,
+                inner("near") if margins else None,
             )
         )
     return Program(rule.head, body, tuple(denials))

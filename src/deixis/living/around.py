@@ -65,7 +65,7 @@ class Around:
         """Return what is at most so many links from what changed."""
         while len(self._within) <= steps:
             self._within.append(_wider(self._within[-1], self._links))
-        return self._within[steps]
+        return np.asarray(self._within[steps])
 
     def touched(self, extent: Extent, args: Index) -> Mask:
         """Return which conclusions may rest on what changed, given the names of their arguments, (k, n)."""

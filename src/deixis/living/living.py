@@ -112,9 +112,9 @@ class Living:
         if len(changed) and not whole.all():
             nearby = Around(self._now, now, changed, len(self._names))
             found = found.joined(self._nearby(nearby, now, labels, ~whole))
-            for kept, extent, drop in zip(self._kept, self._groups, dropped, strict=True):
+            for at, (kept, extent) in enumerate(zip(self._kept, self._groups, strict=True)):
                 if extent is not None:
-                    drop |= nearby.touched(extent, kept.args) & ~whole[kept.predicate]
+                    dropped[at] = dropped[at] | nearby.touched(extent, kept.args)
         return self._taken_over(now, found, dropped)
 
     def _anew(self, one: Indicator, changed: bool, looked: bool) -> bool:
