@@ -69,8 +69,8 @@ class Living:
         self._wanted = tuple(dict.fromkeys(wanted))
         self._order = {one: at for at, one in enumerate(self._wanted)}
         known = extents(ruleset)
-        plans = {one: Plan.of(ruleset, [one], margins=True) for one in wanted}
-        self._viewed = {one for one, plan in plans.items() if any(node[0] in VIEWS for node in plan.needed)}
+        plan = Plan.of(ruleset, self._wanted, margins=True)
+        self._viewed = {one for one in self._wanted if not VIEWS.isdisjoint(plan.rests_on(one))}
         # What looks as far as another is kept together with it; what looks at everything, in the last group.
         self._groups: list[Extent | None] = [
             *dict.fromkeys(known[one] for one in self._wanted if known[one].bounded),
@@ -82,6 +82,11 @@ class Living:
         self._now = Placed(facts, self._names.of(facts.ids))
         every = np.ones(len(self._wanted), dtype=np.bool_)
         self._kept = self._split(self._derive(self._now, facts, labels, every))
+
+    @property
+    def wanted(self) -> tuple[Indicator, ...]:
+        """Return the predicates that are kept."""
+        return self._wanted
 
     @property
     def holds(self) -> dict[Known, float]:
