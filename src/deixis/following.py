@@ -6,7 +6,6 @@ import math
 import os
 import threading
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
@@ -43,7 +42,7 @@ class Following(Explaining):
         Facts and relations are kept up at the cost of what can have changed; they are always those of a full
         run. The relations are all that people speak in, and those that rules of one's own state. An update
         that is refused leaves everything as it was. All subscribers are told, then the error of one that
-        failed is raised; the scene has changed by then.
+        failed is raised, or of several an ``ExceptionGroup``; the scene has changed by then.
 
         Raises
         ------
@@ -77,10 +76,7 @@ class Following(Explaining):
             self.__dict__.pop("_gathering", None)
         gained, lost = (in_order(map(_relation, some.items())) for some in (found.gained, found.lost))
         changes = Changes(update.stamp, gained, lost, _Reasons(self, after, update))
-        with ExitStack() as telling:
-            # Whatever one of them raises, the others are told before it is seen.
-            for subscriber in reversed(self._subscribers):
-                telling.callback(subscriber, changes)
+        self._tell(changes)
         return changes
 
     def subscribe(self, subscriber: Callable[[Changes], object]) -> Callable[[], None]:
@@ -90,6 +86,19 @@ class Following(Explaining):
         """
         self._subscribers.append(subscriber)
         return partial(self._subscribers.remove, subscriber)
+
+    def _tell(self, changes: Changes) -> None:
+        """Tell all subscribers; what any of them raises is raised when all have been told."""
+        errors: list[Exception] = []
+        for subscriber in tuple(self._subscribers):
+            try:
+                subscriber(changes)
+            except Exception as error:  # noqa: BLE001 - raised below
+                errors.append(error)
+        if len(errors) == 1:
+            raise errors[0]
+        if errors:
+            raise ExceptionGroup(f"{len(errors)} subscribers failed", errors)
 
     @cached_property
     def _living(self) -> Living:
