@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any, Final
 
 from deixis.consequences import Consequence, Consequences
-from deixis.counterfactual import moved
+from deixis.counterfactual import moved_things
 from deixis.errors import QueryError, SceneError
 from deixis.relations import Relation
 from deixis.scene import Scene, SpatialObject, View
 from deixis.strict_json import quoted
+from deixis.things import view_values
 
 _KEYS: Final = ("stamp", "objects", "moves", "removed", "views", "removed_views")
 
@@ -79,18 +80,20 @@ class Update:
         unknown = next((key for key in data if key not in _KEYS), None)
         if unknown is not None:
             raise SceneError(f"an update has no key {quoted(unknown)}: known are {', '.join(_KEYS)}")
-        told: dict[str, Any] = {key: data[key] for key in ("objects", "views") if key in data}
-        views = Scene.from_dict({"deixis": 1, "id": scene.id, "views": told.get("views", [])}).views
-        # An object may have been seen in any view, the new ones and those there were.
-        seen = [*views, *(view for view in scene.views if view.id not in {one.id for one in views})]
-        told["views"] = replace(scene, objects=(), views=tuple(seen)).to_dict()["views"]
-        shown = Scene.from_dict({"deixis": 1, "id": scene.id, **told})
+        views: tuple[View, ...] = ()
+        if "views" in data:
+            views = Scene.from_dict({"deixis": 1, "id": scene.id, "views": data["views"]}).views
+        objects: tuple[SpatialObject, ...] = ()
+        if "objects" in data:
+            # An object may have been seen in any view, the new ones and those there were.
+            seen = [*views, *(view for view in scene.views if view.id not in {one.id for one in views})]
+            told = {"objects": data["objects"], "views": list(map(view_values, seen))}
+            objects = Scene.from_dict({"deixis": 1, "id": scene.id, **told}).objects
         moves = data.get("moves", {})
         if not isinstance(moves, Mapping):
             raise SceneError("moves is no JSON object: give x, y, z in metres for each id")
-        shifted = moved(scene, moves)
         return cls(
-            (*shown.objects, *(shifted.objects[scene.index(name)] for name in moves)),
+            (*objects, *moved_things(scene, moves)),
             _ids(data, "removed"),
             views,
             _ids(data, "removed_views"),
