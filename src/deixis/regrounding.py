@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import compress
+from operator import is_not
 
 import numpy as np
 
@@ -22,6 +24,9 @@ from deixis.grounding import (
 )
 from deixis.regions import BoxRegion, MeshRegion, PointRegion, Region, SurfaceRegion
 from deixis.scene import Scene
+
+Labels = tuple[tuple[tuple[str, float], ...], ...]
+"""Of each thing its names, each with its score."""
 
 _MANY = 4
 """With more than one in so many things moved, a full run costs no more."""
@@ -50,10 +55,9 @@ def reground(before: Scene, facts: Facts, after: Scene) -> Facts:
     """
     if before.thresholds != after.thresholds:
         return ground(after, region=facts.region)
-    names = tuple([thing.id for thing in after.objects])
     boxes = after.boxes
-    change = _Change.between(before, after, facts, names)
-    if _MANY * int(change.moved.sum()) > len(names):
+    change = _Change.between(before, after, facts)
+    if _MANY * int(change.moved.sum()) > len(boxes):
         return ground(after, region=facts.region)
     if change.any:
         pairs, source = _pairs(facts, after, change)
@@ -62,8 +66,8 @@ def reground(before: Scene, facts: Facts, after: Scene) -> Facts:
     base = replace(
         facts,
         scene=after.id,
-        ids=names,
-        labels=change.labels(before, after, facts),
+        ids=change.names,
+        labels=change.labels(after, facts),
         surface=boxes.surface,
         volume=boxes.volume(after.thresholds.granularity),
         pairs=pairs,
@@ -94,30 +98,40 @@ class _Change:
 
     Attributes
     ----------
+    names : tuple of str
+        Of the things of now.
+    told : list of int, optional
+        Positions of the things told of anew, where each thing is where it was in the list; else None.
     place : (m,) int
         Where each thing of before is now, -1 where it is gone.
     moved : (n,) bool
         Which things of now are new, or measure otherwise.
-    same : bool
-        Whether each thing is where it was in the list.
     """
 
+    names: tuple[str, ...]
+    told: list[int] | None
     place: Index
     moved: Mask
-    same: bool
 
     @property
     def any(self) -> bool:
         """Return whether there is anything to measure again."""
-        return not self.same or bool(self.moved.any())
+        return self.told is None or bool(self.moved.any())
 
     @classmethod
-    def between(cls, before: Scene, after: Scene, facts: Facts, names: tuple[str, ...]) -> _Change:
+    def between(cls, before: Scene, after: Scene, facts: Facts) -> _Change:
         """Return what is otherwise between two scenes."""
-        if facts.ids == names:
-            place = np.arange(len(names))
+        old, new = before.objects, after.objects
+        told = None
+        if len(old) == len(new):
+            # Most things are the very same ones, which need not be looked at.
+            told = list(compress(range(len(new)), map(is_not, old, new)))
+            told = told if all(old[at].id == new[at].id for at in told) else None
+        if told is not None:
+            names, place = facts.ids, np.arange(len(new))
             moved = after.boxes.differs(before.boxes)
         else:
+            names = tuple([thing.id for thing in new])
             positions = {name: at for at, name in enumerate(names)}
             place = np.array([positions.get(name, -1) for name in facts.ids], dtype=np.int64)
             stayed = np.flatnonzero(place >= 0)
@@ -125,19 +139,18 @@ class _Change:
             moved[place[stayed]] = after.boxes.take(place[stayed]).differs(before.boxes.take(stayed))
         if facts.region != "box":
             # Within one and the same box a mesh may be another, or turned over.
-            for old, new in enumerate(place.tolist()):
-                if new >= 0:
-                    moved[new] |= not _alike(before.objects[old].region, after.objects[new].region)
-        return cls(place, moved, facts.ids == names)
+            for at, position in enumerate(place.tolist()):
+                if position >= 0:
+                    moved[position] |= not _alike(old[at].region, new[position].region)
+        return cls(names, told, place, moved)
 
-    def labels(self, before: Scene, after: Scene, facts: Facts) -> tuple[tuple[tuple[str, float], ...], ...]:
+    def labels(self, after: Scene, facts: Facts) -> Labels:
         """Return the labels of now, made anew only where a thing is told of anew."""
-        if not self.same:
+        if self.told is None:
             return labels_of(after)
         found = list(facts.labels)
-        for at, (old, new) in enumerate(zip(before.objects, after.objects, strict=True)):
-            if old is not new:
-                found[at] = tuple((label.name, label.score) for label in new.labels)
+        for at in self.told:
+            found[at] = tuple((label.name, label.score) for label in after.objects[at].labels)
         return tuple(found)
 
 
@@ -160,7 +173,7 @@ def _pairs(facts: Facts, after: Scene, change: _Change) -> tuple[PairColumns, In
     """Return the pair table of now, and where each row is from: a row of before, or one beyond them."""
     old, boxes, limits = facts.pairs, after.boxes, after.thresholds
     figure, reference = old.figure, old.reference
-    if not change.same:
+    if change.told is None:
         figure, reference = change.place[figure], change.place[reference]
     # What is gone is as good as moved: the last place says so.
     fresh = np.append(change.moved, True)
