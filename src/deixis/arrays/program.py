@@ -69,29 +69,40 @@ class Check:
 
 
 @dataclass(frozen=True, slots=True)
+class Denial:
+    """What is denied: how it may hold, and how near it comes.
+
+    Attributes
+    ----------
+    held : frozenset of str
+        What it is told of.
+    truth, near : Conjunction or None
+        None where it is not asked for.
+    kept : frozenset of str
+        What of all that is known is needed from here on.
+    """
+
+    held: frozenset[str]
+    truth: Conjunction | None
+    near: Conjunction | None
+    kept: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True)
 class Conjunction:
-    """Atoms and comparisons in the order in which they are looked at.
+    """Goals in the order in which they are looked at.
 
     Attributes
     ----------
     mode : {"truth", "near"}
     limits : tuple of (str, str)
         Variables that stand for a threshold, and which.
-    steps : tuple of Join or Check
+    steps : tuple of Join, Check or Denial
     """
 
     mode: Mode
     limits: tuple[tuple[str, str], ...]
-    steps: tuple[Join | Check, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Denial:
-    """What is denied: how it may hold, and how near it comes; ``held`` is what it is told of."""
-
-    held: frozenset[str]
-    truth: Conjunction | None
-    near: Conjunction | None
+    steps: tuple[Join | Check | Denial, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +111,6 @@ class Program:
 
     head: Atom
     body: Conjunction
-    denials: tuple[Denial, ...]
 
 
 def program(
@@ -134,97 +144,116 @@ def program(
     >>> [type(step).__name__ for step in found.body.steps], found.body.limits
     (['Join', 'Check'], (('T', 'closeness'),))
     """
-    known = rule_lengths([goal for goal in rule.body if isinstance(goal, Atom)], lengths)
-    denied = [goal for goal in rule.body if isinstance(goal, Negation)]
-    parts: list[Goal] = [rule.head, *denied]
-    needed = {one.name for part in parts for one in variables(part)}
-    held: dict[str, bool] = {}
-    body = _ordered(rule.body, mode, held, needed, known, limits)
-    denials = []
-    for goal in denied:
-        inside = {**rule_lengths(goal.goals, lengths), **known}
-        named = {one.name for one in variables(goal)} & held.keys()
+    return Program(rule.head, _Writer(mode, lengths, limits, margins=margins).rule(rule))
 
-        def inner(
-            way: Mode, goal: Negation = goal, inside: dict[str, bool] = inside, named: set[str] = named
-        ) -> Conjunction:
-            given = {ROW: True, **{name: held[name] for name in named}}
-            return _ordered(goal.goals, way, given, {ROW}, inside, limits)
 
-        denials.append(
-            Denial(
-                frozenset(named),
-                inner("truth") if mode == "truth" else None,
-                inner("near") if margins else None,
-            )
+class _Writer:
+    """Puts the goals of rules in an order; parameters as of :func:`program`."""
+
+    def __init__(
+        self,
+        mode: Mode,
+        lengths: Mapping[Indicator, Sequence[bool]],
+        limits: Collection[str],
+        *,
+        margins: bool,
+    ) -> None:
+        self._mode, self._lengths, self._limits, self._margins = mode, lengths, limits, margins
+
+    def rule(self, rule: Rule) -> Conjunction:
+        """Return the body of a rule."""
+        known = rule_lengths([goal for goal in rule.body if isinstance(goal, Atom)], self._lengths)
+        return self._ordered(rule.body, self._mode, {}, {one.name for one in variables(rule.head)}, known)
+
+    def _ordered(
+        self,
+        goals: Sequence[Goal],
+        mode: Mode,
+        held: dict[str, bool],
+        needed: Collection[str],
+        lengths: Mapping[str, bool],
+    ) -> Conjunction:
+        """Return goals in an order.
+
+        Parameters
+        ----------
+        goals : sequence of Goal
+        mode : {"truth", "near"}
+        held : dict
+            What is known, and whether it is a value a row.
+        needed : collection of str
+            What is needed afterwards.
+        lengths : mapping
+            For each variable whether it is a length.
+        """
+        atoms = [goal for goal in goals if isinstance(goal, Atom)]
+        checks = [goal for goal in goals if isinstance(goal, Comparison)]
+        denials = [goal for goal in goals if isinstance(goal, Negation)]
+        every = {one.name for goal in atoms for one in variables(goal)}
+        thresholds: list[tuple[str, str]] = []
+        for atom in list(atoms):
+            told = _threshold(atom, held, self._limits)
+            if told is not None:
+                thresholds.append(told)
+                held[told[0]] = False
+                atoms.remove(atom)
+        beside = [flag(goal, goals) for goal in atoms]
+        read = [goal for goal, found in zip(atoms, beside, strict=True) if found is None]
+        flagged = [(goal, *found) for goal, found in zip(atoms, beside, strict=True) if found is not None]
+        order: list[tuple[Goal, tuple[str, ...], dict[str, bool]]] = []
+        while True:
+            # What leaves fewer rows comes first, what may make more of them last.
+            for check in [one for one in checks if _named(one) <= held.keys()]:
+                checks.remove(check)
+                order.append((check, (), dict(held)))
+            for denial in [one for one in denials if _named(one) & every <= held.keys()]:
+                denials.remove(denial)
+                order.append((denial, (), dict(held)))
+            if not read:
+                break
+            # What shares something with what is known comes next.
+            atom = next((one for one in read if _linked(one, held)), read[0])
+            read.remove(atom)
+            columns = tuple(name for one, of, at, name in flagged if stands_beside(one, atom, of, at))
+            flagged = [one for one in flagged if not stands_beside(one[0], atom, one[1], one[2])]
+            order.append((atom, columns, dict(held)))
+            held |= dict.fromkeys(_named(atom) - held.keys(), True)
+        steps: list[Join | Check | Denial] = []
+        after = set(needed)
+        goal: Goal
+        for goal, columns, before in reversed(order):
+            kept = frozenset(after)
+            match goal:
+                case Comparison():
+                    soft = goal.operator in ORDER and all(lengths.get(name, True) for name in _named(goal))
+                    steps.append(Check(goal, soft, kept))
+                case Negation():
+                    steps.append(self._denial(goal, before, lengths, kept))
+                case Atom():
+                    steps.append(_join(goal, columns, before, kept))
+            after |= _named(goal)
+        return Conjunction(mode, tuple(thresholds), tuple(reversed(steps)))
+
+    def _denial(
+        self, goal: Negation, before: Mapping[str, bool], lengths: Mapping[str, bool], kept: frozenset[str]
+    ) -> Denial:
+        inside = {**rule_lengths(goal.goals, self._lengths), **lengths}
+        held = frozenset(_named(goal) & before.keys())
+
+        def conjunction(mode: Mode) -> Conjunction:
+            given = {ROW: True, **{name: before[name] for name in held}}
+            return self._ordered(goal.goals, mode, given, {ROW}, inside)
+
+        return Denial(
+            held,
+            conjunction("truth") if self._mode == "truth" else None,
+            conjunction("near") if self._margins else None,
+            kept,
         )
-    return Program(rule.head, body, tuple(denials))
 
 
-def _ordered(
-    goals: Sequence[Goal],
-    mode: Mode,
-    held: dict[str, bool],
-    needed: Collection[str],
-    lengths: Mapping[str, bool],
-    limits: Collection[str],
-) -> Conjunction:
-    """Return atoms and comparisons in an order, and put down in ``held`` what is known after them.
-
-    Parameters
-    ----------
-    goals : sequence of Goal
-        Denials among them are left out.
-    mode : {"truth", "near"}
-    held : dict
-        What is known, and whether it is a value a row.
-    needed : collection of str
-        What is needed afterwards.
-    lengths : mapping
-        For each variable whether it is a length.
-    limits : collection of str
-        Names of the thresholds.
-    """
-    atoms = [goal for goal in goals if isinstance(goal, Atom)]
-    checks = [goal for goal in goals if isinstance(goal, Comparison)]
-    thresholds: list[tuple[str, str]] = []
-    for goal in list(atoms):
-        told = _threshold(goal, held, limits)
-        if told is not None:
-            thresholds.append(told)
-            held[told[0]] = False
-            atoms.remove(goal)
-    beside = [flag(goal, goals) for goal in atoms]
-    read = [goal for goal, found in zip(atoms, beside, strict=True) if found is None]
-    flagged = [(goal, *found) for goal, found in zip(atoms, beside, strict=True) if found is not None]
-    order: list[tuple[Atom, tuple[str, ...], dict[str, bool]] | Comparison] = []
-    while True:
-        for check in [one for one in checks if all(name.name in held for name in variables(one))]:
-            checks.remove(check)
-            order.append(check)
-        if not read:
-            break
-        # What shares something with what is known comes first: fewer rows on the way.
-        goal = next((one for one in read if _linked(one, held)), read[0])
-        read.remove(goal)
-        columns = tuple(name for one, of, at, name in flagged if stands_beside(one, goal, of, at))
-        flagged = [one for one in flagged if not stands_beside(one[0], goal, one[1], one[2])]
-        order.append((goal, columns, dict(held)))
-        for value in goal.args:
-            if isinstance(value, Variable):
-                held.setdefault(value.name, True)
-    steps: list[Join | Check] = []
-    after = set(needed)
-    for step in reversed(order):
-        kept = frozenset(after)
-        if isinstance(step, Comparison):
-            soft = step.operator in ORDER and all(lengths.get(one.name, True) for one in variables(step))
-            steps.append(Check(step, soft, kept))
-            after |= {one.name for one in variables(step)}
-        else:
-            steps.append(_join(*step, kept))
-            after |= {one.name for one in variables(step[0])}
-    return Conjunction(mode, tuple(thresholds), tuple(reversed(steps)))
+def _named(goal: Goal) -> set[str]:
+    return {one.name for one in variables(goal)}
 
 
 def _linked(goal: Atom, held: Mapping[str, bool]) -> bool:

@@ -71,8 +71,6 @@ class World:
     def conclusions(self, program: Program) -> Rows:
         """Return the rows that a rule concludes, some perhaps several times, with their margins."""
         found = self._conjunction(_Found(), program.body)
-        for denial in program.denials:
-            found = self._deny(found, denial)
         columns = []
         for value in program.head.args:
             column = self._value(value, found.held)
@@ -87,6 +85,8 @@ class World:
             if isinstance(step, Join):
                 table = self.tables[step.predicate, conjunction.mode]
                 found = self._join(found, step, table)
+            elif isinstance(step, Denial):
+                found = self._deny(found, step)
             else:
                 found = self._compare(found, step, near=conjunction.mode == "near")
         return found
@@ -147,7 +147,7 @@ class World:
             if len(refuted):
                 holds = np.ones(found.count, dtype=np.bool_)
                 holds[refuted] = False
-                found = found.at(np.flatnonzero(holds), found.held.keys())
+                found = found.at(np.flatnonzero(holds), denial.kept | denial.held)
         if denial.near is not None:
             near = self._inner(found, denial, denial.near)
             if near.margin is not None or denial.truth is None:

@@ -30,6 +30,10 @@ _SPARE: Final = 1_024
 """Names that are not used any more, beyond as many as there are things, before they are forgotten."""
 
 
+_WIDE: Final = 4
+"""What looks at more than one in so many things is not looked at together with what does not."""
+
+
 @dataclass(frozen=True, slots=True)
 class Difference:
     """What a change made hold, and what it made hold no more, each with its margin."""
@@ -78,10 +82,14 @@ class Living:
         ]
         group = [self._groups.index(known[one] if known[one].bounded else None) for one in self._wanted]
         self._group = np.array(group, dtype=np.int64)
+        # What is all written in rule files never changes.
+        self._looking = np.array(
+            [not known[one].bounded or bool(known[one].looks) for one in self._wanted], dtype=np.bool_
+        )
         self._names = Names()
         self._now = Placed(facts, self._names.of(facts.ids))
         every = np.ones(len(self._wanted), dtype=np.bool_)
-        self._kept = self._split(self._derive(self._now, facts, labels, every))
+        self._kept = self._split(self._derive(self._now, labels, every))
 
     @property
     def wanted(self) -> tuple[Indicator, ...]:
@@ -112,11 +120,11 @@ class Living:
         same = facts.ids == self._now.facts.ids
         now = Placed(facts, self._now.codes if same else self._names.of(facts.ids))
         whole = np.array([self._anew(one, len(changed) > 0, looked) for one in self._wanted], dtype=np.bool_)
-        found = self._derive(now, facts, labels, whole)
+        found = self._derive(now, labels, whole)
         dropped = [whole[kept.predicate] for kept in self._kept]
-        if len(changed) and not whole.all():
+        if len(changed) and (self._looking & ~whole).any():
             nearby = Around(self._now, now, changed, len(self._names))
-            found = found.joined(self._nearby(nearby, now, labels, ~whole))
+            found = found.joined(self._nearby(nearby, now, labels, ~whole & self._looking))
             for at, (kept, extent) in enumerate(zip(self._kept, self._groups, strict=True)):
                 if extent is not None:
                     dropped[at] = dropped[at] | nearby.touched(extent, kept.args)
@@ -129,24 +137,39 @@ class Living:
 
     def _nearby(self, nearby: Around, now: Placed, labels: Labels, wanted: Mask) -> Kept:
         """Return the conclusions of some predicates that may rest on what changed."""
-        groups = [at for at in np.unique(self._group[wanted]).tolist() if self._groups[at] is not None]
-        region = np.zeros(len(now.codes), dtype=np.bool_)
-        for at in groups:
-            region |= nearby.region(self._groups[at])
-        # To run all rules over the widest region costs less than to run some of them over each.
-        found = self._derive(now, now.facts.among(region), labels, wanted)
-        group = self._group[found.predicate]
-        keep = np.zeros(len(found), dtype=np.bool_)
-        for at in groups:
-            rows = np.flatnonzero(group == at)
-            keep[rows] = nearby.touched(self._groups[at], found.args[:, rows])
-        return found.at(keep)
+        found = Kept.empty(self._order)
+        for groups, region in self._regions(nearby, wanted):
+            some = wanted & np.isin(self._group, list(groups))
+            drawn = self._derive(Placed(now.facts.among(region), now.codes[region]), labels, some)
+            group = self._group[drawn.predicate]
+            for at, extent in groups.items():
+                rows = np.flatnonzero(group == at)
+                touched = nearby.touched(extent, drawn.args[:, rows])
+                found = found.joined(drawn.at(rows[touched]))
+        return found
 
-    def _derive(self, now: Placed, facts: Facts, labels: Labels, wanted: Mask) -> Kept:
+    def _regions(self, nearby: Around, wanted: Mask) -> list[tuple[dict[int, Extent], Mask]]:
+        """Return which groups are looked at together, each with the things that their conclusions rest on.
+
+        To run all rules over one region costs less than to run some of them over each; but not where what
+        touches a floor, which is everything, has to be looked at for some.
+        """
+        found: dict[bool, tuple[dict[int, Extent], Mask]] = {}
+        for at in np.unique(self._group[wanted]).tolist():
+            extent = self._groups[at]
+            if extent is not None:
+                region = nearby.region(extent)
+                wide = _WIDE * int(region.sum()) > len(region)
+                groups, known = found.setdefault(wide, ({}, np.zeros_like(region)))
+                groups[at] = extent
+                known |= region
+        return list(found.values())
+
+    def _derive(self, now: Placed, labels: Labels, wanted: Mask) -> Kept:
         some = [one for one, asked in zip(self._wanted, wanted.tolist(), strict=True) if asked]
         if not some:
             return Kept.empty(self._order)
-        tables = self._executor.run(facts, some, view_labels=labels, timeout=self._timeout)
+        tables = self._executor.run(now.facts, some, view_labels=labels, timeout=self._timeout)
         to = tables[some[0]].symbols.translated(now.codes, self._names.of)
         return Kept.of(tables, self._order, to)
 
