@@ -43,6 +43,9 @@ free(A, B) :- on_top_of(A, B), \\+ ( touches(C, A), C \\== B ).
 bridge(A, C) :- touches(A, B), touches(B, C), A \\== C, \\+ ( near(A, D), near(D, C), D \\== B ).
 seen(A, V) :- left_of(A, B, V), \\+ ( left_of(C, B, V), C \\== A ).
 by_name(A, 'o1') :- near(A, 'o1').
+% no surfaces, and surfaces as well
+propped(A, B) :- touches(A, B), \\+ surface(A), touches(A, C), C \\== B, \\+ above(A, C).
+loose(A, B) :- touches(A, B), \\+ ( surface(A), A \\== B, near(B, A) ).
 % a fact that links what is far apart
 pair_of(o1, o2).
 pair_of(A, B) :- on_top_of(A, B).
@@ -229,10 +232,11 @@ def test_how_far_rules_look() -> None:
     }
     assert bounded == {
         "rests": False, "alone": True, "same": False, "free": True, "bridge": True, "seen": True,
-        "by_name": True, "pair_of": False, "linked": False,
+        "by_name": True, "propped": True, "loose": True, "pair_of": False, "linked": False,
     }  # fmt: skip
     assert sorted(found["bridge", 2].looks) == [(0, 2), (1, 1), (2, 0)]
-    assert found["free", 2].figures == {0}
+    assert found["free", 2].figures == found["propped", 2].figures == {0}
+    assert found["loose", 2].figures == frozenset()
 
 
 def test_subscribers_and_reasons() -> None:
