@@ -156,7 +156,7 @@ class Changes:
         Raises
         ------
         QueryError
-            The relation is none of these, or the changes were sent from another process.
+            The relation is none of these, or the changes are a copy, perhaps from another process.
         QueryTimeout
             It took longer than ``timeout`` seconds.
         """
@@ -177,7 +177,7 @@ class Changes:
         Raises
         ------
         QueryError
-            The changes were sent from another process.
+            The changes are a copy, perhaps from another process.
         QueryTimeout
             A reason took longer.
         """
@@ -189,7 +189,7 @@ class Changes:
 
     def _told(self, some: Sequence[Relation], timeout: float) -> list[str]:
         if self._reasons is None:
-            raise QueryError("these changes come from another process: ask for their reasons there")
+            raise QueryError("these changes are a copy: ask those that the update gave, in their process")
         return self._reasons(some, timeout) if some else []
 
     def __bool__(self) -> bool:
