@@ -25,6 +25,7 @@ from deixis.regions import shifted
 from deixis.regrounding import reground
 from deixis.scene import Scene
 from deixis.strict_json import quoted
+from deixis.things import SpatialObject
 
 if TYPE_CHECKING:
     from deixis.ruleset import Indicator
@@ -92,8 +93,16 @@ def moved(scene: Scene, offsets: Mapping[str, ArrayLike]) -> Scene:
     [[0.0, 0.0, 0.5]]
     """
     things = list(scene.objects)
+    for thing in moved_things(scene, offsets):
+        things[scene.index(thing.id)] = thing
+    return replace(scene, objects=tuple(things))
+
+
+def moved_things(scene: Scene, offsets: Mapping[str, ArrayLike]) -> tuple[SpatialObject, ...]:
+    """Return things of a scene moved by x, y, z metres, not turned; raises as :func:`moved` does."""
+    things = []
     for name, given in offsets.items():
-        position = scene.index(name)
+        thing = scene.objects[scene.index(name)]
         try:
             numeric = np.asarray(given).dtype.kind in "iuf"
             offset = np.array(given, dtype=np.float64)
@@ -101,8 +110,8 @@ def moved(scene: Scene, offsets: Mapping[str, ArrayLike]) -> Scene:
             numeric, offset = False, np.zeros(0)
         if not numeric or offset.shape != (3,) or not np.isfinite(offset).all():
             raise SceneError(f"the move of {quoted(name)} is not x, y, z in metres: give three numbers")
-        things[position] = replace(things[position], region=shifted(things[position].region, offset))
-    return replace(scene, objects=tuple(things))
+        things.append(replace(thing, region=shifted(thing.region, offset)))
+    return tuple(things)
 
 
 def named_fact(goal: str, known: Sequence[str], predicates: Callable[[str], Sequence[Indicator]]) -> Row:

@@ -143,6 +143,8 @@ class PairColumns:
         """
         if keep.all():
             return self
+        if len(keep) <= _CHUNK:
+            return self.at(np.flatnonzero(keep))
         columns = {name: getattr(self, name) for name in self.__slots__}
 
         def squeeze(name: str) -> None:
@@ -162,7 +164,7 @@ class PairColumns:
 
     def at(self, rows: Index) -> PairColumns:
         """Return the rows at the given positions."""
-        return PairColumns(*(getattr(self, name)[rows] for name in self.__slots__))
+        return PairColumns(*(getattr(self, name).take(rows, axis=0) for name in self.__slots__))
 
     def joined(self, more: PairColumns) -> PairColumns:
         """Return these rows followed by more."""
@@ -289,18 +291,35 @@ class Facts:
         return np.asarray(self.intersects & (self.protrusion <= self.thresholds.granularity))
 
     def among(self, inside: Mask) -> Facts:
-        """Return the same things with the pairs of which both are inside, (n,)."""
+        """Return the facts of some things, (n,), alone: as if there were no others."""
+        things = np.flatnonzero(inside).tolist()
+        now = np.cumsum(inside) - 1
         keep = inside[self.figure] & inside[self.reference]
         place = np.cumsum(keep) - 1
+        pairs = self.pairs.at(np.flatnonzero(keep))
         views = []
         for view in self.views:
-            some = keep[view.rows]
+            some = np.flatnonzero(keep[view.rows])
             views.append(
-                replace(
-                    view, rows=place[view.rows[some]], int_hs=view.int_hs[some], cont_hs=view.cont_hs[some]
+                ViewFacts(
+                    view.view,
+                    place[view.rows[some]],
+                    view.int_hs[some],
+                    view.cont_hs[some],
+                    tuple((int(now[at]), reason) for at, reason in view.withheld if inside[at]),
+                    tuple(int(now[at]) for at in view.ambiguous if inside[at]),
                 )
             )
-        return replace(self, pairs=self.pairs.at(np.flatnonzero(keep)), views=tuple(views))
+        return replace(
+            self,
+            ids=tuple([self.ids[at] for at in things]),
+            labels=tuple([self.labels[at] for at in things]),
+            surface=self.surface[inside],
+            volume=self.volume[inside],
+            pairs=replace(pairs, figure=now[pairs.figure], reference=now[pairs.reference]),
+            views=tuple(views),
+            models=tuple([self.models[at] for at in things]),
+        )
 
     def row(self, figure: str, reference: str) -> int | None:
         """Return the row of an ordered pair of ids, or None where the two are beyond reach."""

@@ -69,7 +69,7 @@ def ground(scene: Scene, *, region: RegionModel = "box", max_pairs: int = MAX_PA
     facts = Facts(
         scene=scene.id,
         ids=tuple(thing.id for thing in scene.objects),
-        labels=tuple(tuple((label.name, label.score) for label in thing.labels) for thing in scene.objects),
+        labels=labels_of(scene),
         surface=boxes.surface,
         volume=boxes.volume(limits.granularity),
         thresholds=limits,
@@ -82,10 +82,16 @@ def ground(scene: Scene, *, region: RegionModel = "box", max_pairs: int = MAX_PA
     return replace(facts, views=tuple(views))
 
 
+def labels_of(scene: Scene) -> tuple[tuple[tuple[str, float], ...], ...]:
+    """Return the ranked labels of a scene's things, with their scores."""
+    return tuple(tuple((label.name, label.score) for label in thing.labels) for thing in scene.objects)
+
+
 def solid_models(scene: Scene, region: RegionModel) -> tuple[SolidModel, ...]:
     """Return what each thing of a scene is measured as."""
     if region == "box":
-        return tuple("box" for _ in scene.objects)
+        box: SolidModel = "box"
+        return (box,) * len(scene.objects)
     from deixis.solids import Solids
 
     return Solids.of(scene, region).models

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import math
-import os
-import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
-from deixis.explaining import Explaining
-from deixis.facts import Facts, RegionModel
+from deixis.following import Following
 from deixis.frames import WORLD
-from deixis.relations import Relation, in_order, rounded
-from deixis.scene import Scene
 from deixis.vocabulary import RELATIONS
 
 if TYPE_CHECKING:
@@ -22,15 +16,13 @@ if TYPE_CHECKING:
     from deixis.counterfactual import Change
     from deixis.engines import Engine
     from deixis.inspection import Inspection
-    from deixis.living import Known, Living
-    from deixis.updates import Changes, Update
     from deixis.words import Description, Reply
 
 MOST_IN_A_NOTEBOOK: Final = 200
 """Things of a scene that a notebook shows unasked; `deixis view` shows any."""
 
 
-class KnowledgeBase(Explaining):
+class KnowledgeBase(Following):
     """A scene with everything that follows from it.
 
     The geometry is grounded on first use; SWI-Prolog is started, in a process of its own, with the first
@@ -57,19 +49,6 @@ class KnowledgeBase(Explaining):
     ...     [found.reference for found in kb.relations(relation=["on_top_of"]) if found.figure == "sweater"]
     ['heater']
     """
-
-    def __init__(
-        self,
-        scene: Scene,
-        *,
-        rules: Sequence[str | os.PathLike[str]] = (),
-        region: RegionModel = "box",
-        language: str = "en",
-        facts: Facts | None = None,
-    ) -> None:
-        super().__init__(scene, rules=rules, region=region, language=language, facts=facts)
-        self._updating = threading.Lock()
-        self._subscribers: list[Callable[[Changes], object]] = []
 
     def check(
         self,
@@ -153,66 +132,6 @@ class KnowledgeBase(Explaining):
         known = [*self.facts.ids, *(view.id for view in self.scene.views)]
         fact = named_fact(goal, known, self._predicates)
         return smallest_change(self.scene, self.facts, self._executor, fact)
-
-    def update(self, update: Update) -> Changes:
-        """Change the scene; return which relations hold now and did not, and the reverse.
-
-        Facts and relations are kept up at the cost of what can have changed; they are always those of a full
-        run. The relations are all that people speak in, and those that rules of one's own state. An update
-        that is refused leaves everything as it was.
-
-        Raises
-        ------
-        SceneError
-            Something in the update is not there, or told twice.
-
-        Examples
-        --------
-        >>> from deixis._files import kb_dir
-        >>> from deixis.updates import Update
-        >>> with KnowledgeBase.from_scene(kb_dir() / "scenes" / "hans.json") as kb:
-        ...     lifted = Update.from_dict({"moves": {"sweater": [0, 0, 0.1]}}, kb.scene)
-        ...     [one.to_prolog() for one in kb.update(lifted).lost]
-        ["on_top_of('sweater','heater')"]
-        """
-        from deixis.regrounding import reground
-        from deixis.updates import Changes
-
-        with self._updating:
-            living = self._living
-            after = update.applied(self.scene)
-            facts = reground(self.scene, self.facts, after)
-            labels = [(view.id, view.label) for view in after.views]
-            looked = bool(update.views or update.removed_views)
-            found = living.advance(facts, labels, update.things, looked=looked)
-            self.scene, self.facts = after, facts
-            # What was made of the facts of before is made anew when it is asked for.
-            self.__dict__.pop("_gathering", None)
-        gained, lost = (in_order(map(_relation, some.items())) for some in (found.gained, found.lost))
-        changes = Changes(update.stamp, gained, lost)
-        for subscriber in tuple(self._subscribers):
-            subscriber(changes)
-        return changes
-
-    def subscribe(self, subscriber: Callable[[Changes], object]) -> Callable[[], None]:
-        """Call a function with the changes of each update from now on; return how to end that."""
-        self._subscribers.append(subscriber)
-        return partial(self._subscribers.remove, subscriber)
-
-    @cached_property
-    def _living(self) -> Living:
-        from deixis.living import Living
-
-        labels = [(view.id, view.label) for view in self.scene.views]
-        names = [term.name for term in RELATIONS]
-        wanted = [one for name in names for one in self._predicates(name)]
-        kinds = self.ruleset.kinds
-        wanted += [
-            one
-            for one in sorted(self.ruleset.user)
-            if len(kinds[one]) in (2, 3) and set(kinds[one]) == {"name"}
-        ]
-        return Living(self.ruleset, self._executor, wanted, self.facts, labels)
 
     def what_if(self, moves: Mapping[str, Sequence[float]]) -> KnowledgeBase:
         """Return the knowledge base of the scene in which some things are moved by x, y, z metres."""
@@ -375,10 +294,3 @@ class KnowledgeBase(Explaining):
         if self.language != "en" or len(set(plain.values())) == len(plain):
             return plain
         return self.names(view=view, timeout=timeout)
-
-
-def _relation(known: tuple[Known, float]) -> Relation:
-    """Return a conclusion as a relation; a third argument is taken for the view."""
-    ((name, arity), row), margin = known
-    told = rounded(margin if math.isfinite(margin) else None)
-    return Relation(name, row[0], row[1], row[2] if arity == 3 else None, told)

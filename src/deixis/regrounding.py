@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import compress
+from operator import is_not
 
 import numpy as np
 
@@ -13,6 +15,7 @@ from deixis.frames import WORLD, Index, Mask
 from deixis.grounding import (
     frame,
     ground,
+    labels_of,
     look,
     measure_scene_pairs,
     scene_meets_halfspaces,
@@ -21,6 +24,9 @@ from deixis.grounding import (
 )
 from deixis.regions import BoxRegion, MeshRegion, PointRegion, Region, SurfaceRegion
 from deixis.scene import Scene
+
+Labels = tuple[tuple[tuple[str, float], ...], ...]
+"""Of each thing its names, each with its score."""
 
 _MANY = 4
 """With more than one in so many things moved, a full run costs no more."""
@@ -49,26 +55,19 @@ def reground(before: Scene, facts: Facts, after: Scene) -> Facts:
     """
     if before.thresholds != after.thresholds:
         return ground(after, region=facts.region)
-    names = tuple(thing.id for thing in after.objects)
     boxes = after.boxes
-    place = _places(facts.ids, names)
-    moved = np.ones(len(names), dtype=np.bool_)
-    stayed = np.flatnonzero(place >= 0)
-    same = place[stayed]
-    moved[same] = boxes.take(same).differs(before.boxes.take(stayed))
-    if facts.region != "box":
-        # Within one and the same box a mesh may be another, or turned over.
-        for old, new in zip(stayed.tolist(), same.tolist(), strict=True):
-            moved[new] |= not _alike(before.objects[old].region, after.objects[new].region)
-    if _MANY * int(moved.sum()) > len(moved):
+    change = _Change.between(before, after, facts)
+    if _MANY * int(change.moved.sum()) > len(boxes):
         return ground(after, region=facts.region)
-    changed = moved.any() or facts.ids != names
-    pairs, origin = _pairs(facts, after, moved, place) if changed else (facts.pairs, None)
+    if change.any:
+        pairs, source = _pairs(facts, after, change)
+    else:
+        pairs, source = facts.pairs, np.arange(len(facts))
     base = replace(
         facts,
         scene=after.id,
-        ids=names,
-        labels=tuple(tuple((label.name, label.score) for label in thing.labels) for thing in after.objects),
+        ids=change.names,
+        labels=change.labels(after, facts),
         surface=boxes.surface,
         volume=boxes.volume(after.thresholds.granularity),
         pairs=pairs,
@@ -78,20 +77,81 @@ def reground(before: Scene, facts: Facts, after: Scene) -> Facts:
     known = {view.view: view for view in facts.views}
     poses = {view.id: view.position for view in before.views}
     views = []
-    if origin is None:
-        views.append(known[WORLD])
-    else:
+    if change.any:
         framed, tie = align_with_world(boxes)
-        seen = np.ones(len(boxes), dtype=bool)
-        views.append(_again(known[WORLD], after, framed, seen, tie, base, origin))
+        views.append(_again(known[WORLD], after, framed, None, tie, base, source))
+    else:
+        views.append(known[WORLD])
     for view in after.views:
         if view.id not in poses or not np.array_equal(poses[view.id], view.position):
             views.append(look(after, base, view))
-        elif origin is None:
-            views.append(known[view.id])
+        elif change.any:
+            views.append(_again(known[view.id], after, *frame(boxes, view), base, source))
         else:
-            views.append(_again(known[view.id], after, *frame(boxes, view), base, origin))
+            views.append(known[view.id])
     return replace(base, views=tuple(views))
+
+
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """What is otherwise in a scene.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the things of now.
+    told : list of int, optional
+        Positions of the things told of anew, where each thing is where it was in the list; else None.
+    place : (m,) int
+        Where each thing of before is now, -1 where it is gone.
+    moved : (n,) bool
+        Which things of now are new, or measure otherwise.
+    """
+
+    names: tuple[str, ...]
+    told: list[int] | None
+    place: Index
+    moved: Mask
+
+    @property
+    def any(self) -> bool:
+        """Return whether there is anything to measure again."""
+        return self.told is None or bool(self.moved.any())
+
+    @classmethod
+    def between(cls, before: Scene, after: Scene, facts: Facts) -> _Change:
+        """Return what is otherwise between two scenes."""
+        old, new = before.objects, after.objects
+        told = None
+        if len(old) == len(new):
+            # Most things are the very same ones, which need not be looked at.
+            told = list(compress(range(len(new)), map(is_not, old, new)))
+            told = told if all(old[at].id == new[at].id for at in told) else None
+        if told is not None:
+            names, place = facts.ids, np.arange(len(new))
+            moved = after.boxes.differs(before.boxes)
+        else:
+            names = tuple([thing.id for thing in new])
+            positions = {name: at for at, name in enumerate(names)}
+            place = np.array([positions.get(name, -1) for name in facts.ids], dtype=np.int64)
+            stayed = np.flatnonzero(place >= 0)
+            moved = np.ones(len(names), dtype=np.bool_)
+            moved[place[stayed]] = after.boxes.take(place[stayed]).differs(before.boxes.take(stayed))
+        if facts.region != "box":
+            # Within one and the same box a mesh may be another, or turned over.
+            for at, position in enumerate(place.tolist()):
+                if position >= 0:
+                    moved[position] |= not _alike(old[at].region, new[position].region)
+        return cls(names, told, place, moved)
+
+    def labels(self, after: Scene, facts: Facts) -> Labels:
+        """Return the labels of now, made anew only where a thing is told of anew."""
+        if self.told is None:
+            return labels_of(after)
+        found = list(facts.labels)
+        for at in self.told:
+            found[at] = tuple((label.name, label.score) for label in after.objects[at].labels)
+        return tuple(found)
 
 
 def _alike(one: Region, other: Region) -> bool:
@@ -109,44 +169,51 @@ def _alike(one: Region, other: Region) -> bool:
     return isinstance(one, BoxRegion) and isinstance(other, BoxRegion)
 
 
-def _places(before: tuple[str, ...], after: tuple[str, ...]) -> Index:
-    """Return where each thing of before is now, -1 where it is gone."""
-    if before == after:
-        return np.arange(len(before))
-    positions = {name: at for at, name in enumerate(after)}
-    return np.array([positions.get(name, -1) for name in before], dtype=np.int64)
-
-
-def _pairs(facts: Facts, after: Scene, moved: Mask, place: Index) -> tuple[PairColumns, Index]:
-    """Return the pair table of now, and for each row the row it was before, -1 for those measured anew."""
+def _pairs(facts: Facts, after: Scene, change: _Change) -> tuple[PairColumns, Index]:
+    """Return the pair table of now, and where each row is from: a row of before, or one beyond them."""
     old, boxes, limits = facts.pairs, after.boxes, after.thresholds
-    figure, reference = place[old.figure], place[old.reference]
+    figure, reference = old.figure, old.reference
+    if change.told is None:
+        figure, reference = change.place[figure], change.place[reference]
     # What is gone is as good as moved: the last place says so.
-    fresh = np.append(moved, True)
+    fresh = np.append(change.moved, True)
     kept = np.flatnonzero(~(fresh[figure] | fresh[reference]))
-    candidates = candidates_of(boxes, limits, np.flatnonzero(moved))
+    candidates = candidates_of(boxes, limits, np.flatnonzero(change.moved))
     new = measure_scene_pairs(after, *candidates, facts.region)
     n = max(len(boxes), 1)
-    figure, reference = figure[kept], reference[kept]
-    keys = np.concatenate([figure * n + reference, new.figure * n + new.reference])
+    keys = np.concatenate([(figure * n + reference)[kept], new.figure * n + new.reference])
     order = np.argsort(keys, kind="stable")
-    origin = np.concatenate([kept, np.full(len(new.figure), -1)])[order]
-    known = replace(old.at(kept), figure=figure, reference=reference)
-    return known.joined(new).at(order), origin
+    source = np.concatenate([kept, np.arange(len(old.figure), len(old.figure) + len(new.figure))])[order]
+    return replace(old, figure=figure, reference=reference).joined(new).at(source), source
 
 
 def _again(
-    old: ViewFacts, after: Scene, framed: Boxes, seen: Mask, tie: Mask, base: Facts, origin: Index
+    old: ViewFacts, after: Scene, framed: Boxes, seen: Mask | None, tie: Mask, base: Facts, source: Index
 ) -> ViewFacts:
-    """Return a view's facts where only things moved: known margins are kept, the others measured."""
-    rows = np.flatnonzero(base.ordered & seen[base.reference])
-    place = np.full(int(max(origin.max(initial=-1), old.rows.max(initial=-1))) + 2, -1)
+    """Return a view's facts where only things moved: known margins are kept, the others measured.
+
+    Parameters
+    ----------
+    old : ViewFacts
+    after : Scene
+    framed : Boxes
+        Of this view, in the scene of now.
+    seen : (n,) bool, optional
+        What the view can speak of; by default all.
+    tie : (n,) bool
+    base : Facts
+        Of now, without views.
+    source : (p,) int
+        Of :func:`_pairs`.
+    """
+    rows = np.flatnonzero(base.ordered if seen is None else base.ordered & seen[base.reference])
+    place = np.full(int(max(source.max(initial=-1), old.rows.max(initial=-1))) + 1, -1)
     place[old.rows] = np.arange(len(old.rows))
-    # An origin of -1 reads the last place, which is -1 too.
-    source = place[origin[rows]]
-    known = np.flatnonzero(source >= 0)
-    fresh = np.flatnonzero(source < 0)
-    relaxed, strict = np.empty((len(rows), 4)), np.empty((len(rows), 4))
-    relaxed[known], strict[known] = old.int_hs[source[known]], old.cont_hs[source[known]]
-    relaxed[fresh], strict[fresh] = scene_meets_halfspaces(after, framed, base, rows[fresh])
-    return view_facts(old.view, after.boxes, rows, relaxed, strict, seen, tie)
+    where = place[source[rows]]
+    fresh = np.flatnonzero(where < 0)
+    where[fresh] = np.arange(len(old.rows), len(old.rows) + len(fresh))
+    relaxed, strict = scene_meets_halfspaces(after, framed, base, rows[fresh])
+    relaxed = np.concatenate([old.int_hs, relaxed]).take(where, axis=0)
+    strict = np.concatenate([old.cont_hs, strict]).take(where, axis=0)
+    every = np.ones(len(after.objects), dtype=np.bool_) if seen is None else seen
+    return view_facts(old.view, after.boxes, rows, relaxed, strict, every, tie)

@@ -100,8 +100,8 @@ class Scene:
         object.__setattr__(self, "objects", tuple(self.objects))
         object.__setattr__(self, "views", tuple(self.views))
         for noun, ids in (("object", [o.id for o in self.objects]), ("view", [v.id for v in self.views])):
-            repeated = [name for name, count in Counter(ids).items() if count > 1]
-            if repeated:
+            if len(set(ids)) < len(ids):
+                repeated = [name for name, count in Counter(ids).items() if count > 1]
                 raise SceneError(f"{noun} {quoted(repeated[0])} is given more than once: rename all but one")
         if any(view.id == WORLD for view in self.views):
             raise SceneError(f"view {quoted(WORLD)}: the name is taken by the cardinal directions: rename it")
@@ -227,28 +227,36 @@ class Scene:
         if twice is not None:
             raise SceneError(f"object {quoted(twice)} is given more than once: leave out all but one")
         rows = [self._row(thing) for thing in given]
-        # Where each object of the new scene comes from: those of before, then those given.
-        count = len(self.objects)
-        order = list(range(count))
-        for at, thing in enumerate(given):
+        # Where each object given goes; those not there yet come after the others.
+        things, every = list(self.objects), list(self._rows)
+        source = np.arange(len(things))
+        fresh = []
+        for at, (thing, row) in enumerate(zip(given, rows, strict=True)):
             position = self._positions.get(thing.id)
             if position in gone:
                 raise SceneError(f"object {quoted(thing.id)} is both given and removed: leave out one")
             if position is None:
-                order.append(count + at)
+                things.append(thing)
+                every.append(row)
+                fresh.append(len(self.objects) + at)
             else:
-                order[position] = count + at
+                things[position], every[position] = thing, row
+                source[position] = len(self.objects) + at
+        source = np.concatenate([source, np.array(fresh, dtype=np.int64)])
         if gone:
-            order = [source for at, source in enumerate(order) if at not in gone]
-        things, kept = (*self.objects, *given), (*self._rows, *rows)
+            stay = [at for at in range(len(things)) if at not in gone]
+            things, every, source = [things[at] for at in stay], [every[at] for at in stay], source[stay]
         scene = Scene(
-            self.id, tuple([things[source] for source in order]),
-            self.views if views is None else tuple(views),
+            self.id, tuple(things), self.views if views is None else tuple(views),
             self.thresholds, self.diagnostics, self.strays,
         )  # fmt: skip
         # Known already: cached_property looks here first.
-        scene.__dict__["_rows"] = tuple([kept[source] for source in order])
-        scene.__dict__["boxes"] = self.boxes.joined(_boxes(rows)).take(np.array(order, dtype=np.int64))
+        scene.__dict__["_rows"] = tuple(every)
+        scene.__dict__["boxes"] = (
+            self.boxes.joined(_boxes(rows)).take(source) if given or gone else self.boxes
+        )
+        if not gone and not fresh:
+            scene.__dict__["_positions"] = self._positions
         return scene
 
     def index(self, name: str) -> int:

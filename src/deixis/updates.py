@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any, Final
 
-from deixis.counterfactual import moved
-from deixis.errors import SceneError
+from deixis.consequences import Consequence, Consequences
+from deixis.counterfactual import moved_things
+from deixis.errors import QueryError, SceneError
 from deixis.relations import Relation
 from deixis.scene import Scene, SpatialObject, View
 from deixis.strict_json import quoted
+from deixis.things import view_values
 
 _KEYS: Final = ("stamp", "objects", "moves", "removed", "views", "removed_views")
 
@@ -31,6 +35,11 @@ class Update:
         Ids of views from which nobody looks any more.
     stamp : float or None
         Seconds since the epoch, or any other count; given back with the changes.
+
+    Raises
+    ------
+    SceneError
+        The stamp is not a finite number.
     """
 
     objects: tuple[SpatialObject, ...] = ()
@@ -38,6 +47,9 @@ class Update:
     views: tuple[View, ...] = ()
     removed_views: tuple[str, ...] = ()
     stamp: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "stamp", _stamp(self.stamp))
 
     @classmethod
     def from_dict(cls, data: object, scene: Scene) -> Update:
@@ -68,25 +80,24 @@ class Update:
         unknown = next((key for key in data if key not in _KEYS), None)
         if unknown is not None:
             raise SceneError(f"an update has no key {quoted(unknown)}: known are {', '.join(_KEYS)}")
-        told: dict[str, Any] = {key: data[key] for key in ("objects", "views") if key in data}
-        views = Scene.from_dict({"deixis": 1, "id": scene.id, "views": told.get("views", [])}).views
-        # An object may have been seen in any view, the new ones and those there were.
-        seen = [*views, *(view for view in scene.views if view.id not in {one.id for one in views})]
-        told["views"] = replace(scene, objects=(), views=tuple(seen)).to_dict()["views"]
-        shown = Scene.from_dict({"deixis": 1, "id": scene.id, **told})
+        views: tuple[View, ...] = ()
+        if "views" in data:
+            views = Scene.from_dict({"deixis": 1, "id": scene.id, "views": data["views"]}).views
+        objects: tuple[SpatialObject, ...] = ()
+        if "objects" in data:
+            # An object may have been seen in any view, the new ones and those there were.
+            seen = [*views, *(view for view in scene.views if view.id not in {one.id for one in views})]
+            told = {"objects": data["objects"], "views": list(map(view_values, seen))}
+            objects = Scene.from_dict({"deixis": 1, "id": scene.id, **told}).objects
         moves = data.get("moves", {})
         if not isinstance(moves, Mapping):
             raise SceneError("moves is no JSON object: give x, y, z in metres for each id")
-        shifted = moved(scene, moves)
-        stamp = data.get("stamp")
-        if stamp is not None and (isinstance(stamp, bool) or not isinstance(stamp, (int, float))):
-            raise SceneError(f"the stamp {quoted(stamp)} is not a number: give seconds since the epoch")
         return cls(
-            (*shown.objects, *(shifted.objects[scene.index(name)] for name in moves)),
+            (*objects, *moved_things(scene, moves)),
             _ids(data, "removed"),
             views,
             _ids(data, "removed_views"),
-            None if stamp is None else float(stamp),
+            data.get("stamp"),
         )
 
     def applied(self, scene: Scene) -> Scene:
@@ -111,6 +122,10 @@ class Update:
         return frozenset([*(thing.id for thing in self.objects), *self.removed])
 
 
+Reasons = Callable[[Sequence[Relation], float], list[str]]
+"""Gives the reason of each of some relations, each in so many seconds at most."""
+
+
 @dataclass(frozen=True)
 class Changes:
     """What an update changed.
@@ -126,6 +141,56 @@ class Changes:
     stamp: float | None
     gained: tuple[Relation, ...]
     lost: tuple[Relation, ...]
+    _reasons: Reasons | None = field(default=None, repr=False, compare=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what another process is given: reasons are asked of engines, which stay in this one."""
+        return {**self.__dict__, "_reasons": None}
+
+    def because(self, one: Relation, *, timeout: float = 10.0) -> str:
+        """Return why a relation holds from this update on, or what it lacks, in a sentence.
+
+        The answer is that of the scene just after the update, whenever it is asked for: soon after, by the
+        knowledge base's own engine; when the scene has changed again, by another one, which takes longer.
+
+        Raises
+        ------
+        QueryError
+            The relation is none of these, or the changes are a copy, perhaps from another process.
+        QueryTimeout
+            It took longer than ``timeout`` seconds.
+        """
+        if one not in self.gained and one not in self.lost:
+            raise QueryError(f"{one.to_prolog()} is not among these changes: ask for one gained or lost")
+        return self._told([one], timeout)[0]
+
+    def explained(self, *, limit: int | None = None, timeout: float = 10.0) -> Consequences:
+        """Return the changes, each with its reason, those that are gained first.
+
+        Parameters
+        ----------
+        limit : int, optional
+            At most so many.
+        timeout : float
+            Seconds for each reason.
+
+        Raises
+        ------
+        QueryError
+            The changes are a copy, perhaps from another process.
+        QueryTimeout
+            A reason took longer.
+        """
+        every = [*self.gained, *self.lost]
+        some = every[: len(every) if limit is None else limit]
+        told = [Consequence(*pair) for pair in zip(some, self._told(some, timeout), strict=True)]
+        cut = len(self.gained)
+        return Consequences(tuple(told[:cut]), tuple(told[cut:]), len(some) < len(every))
+
+    def _told(self, some: Sequence[Relation], timeout: float) -> list[str]:
+        if self._reasons is None:
+            raise QueryError("these changes are a copy: ask those that the update gave, in their process")
+        return self._reasons(some, timeout) if some else []
 
     def __bool__(self) -> bool:
         return bool(self.gained or self.lost)
@@ -137,6 +202,19 @@ class Changes:
             "lost": [one.to_dict() for one in self.lost],
         }
         return told if self.stamp is None else {"stamp": self.stamp, **told}
+
+
+def _stamp(given: Any) -> float | None:
+    """Return a stamp as a number, if it is one."""
+    if given is None:
+        return None
+    try:
+        stamp = math.nan if isinstance(given, bool) or not isinstance(given, Real) else float(given)
+    except OverflowError:
+        stamp = math.inf
+    if not math.isfinite(stamp):
+        raise SceneError(f"the stamp {quoted(given)} is not a finite number: give seconds since the epoch")
+    return stamp
 
 
 def _ids(data: Mapping[str, Any], key: str) -> tuple[str, ...]:

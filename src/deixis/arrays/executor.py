@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
 
+from deixis.arrays.program import Program, program
 from deixis.arrays.rows import Rows, grouped
-from deixis.arrays.rule import RuleArrays, World
+from deixis.arrays.rule import World
 from deixis.errors import QueryTimeout
 from deixis.facts import Facts
 from deixis.ruleset import Indicator, Ruleset
@@ -18,9 +19,13 @@ from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.columns import Symbols, base_columns
 from deixis.ruleset.plan import Node, Plan, Step
 from deixis.ruleset.tables import Table, listed
+from deixis.thresholds import Thresholds
 
 _MOST: Final = 20_000_000
 """Rows looked at at once: some 100 bytes each."""
+
+Programs = Mapping[Node, Sequence[Program]]
+"""The rules of each table, made ready."""
 
 
 class ArrayExecutor:
@@ -47,6 +52,7 @@ class ArrayExecutor:
 
     def __init__(self, ruleset: Ruleset) -> None:
         self.ruleset = ruleset
+        self._ready: dict[Plan, Programs] = {}
 
     def run(
         self,
@@ -89,14 +95,29 @@ class ArrayExecutor:
             tables=tables,
             codes={text: symbols.code(text) for text in plan.constants},
             limits=dict(facts.thresholds.items()),
-            lengths=self.ruleset.lengths,
             margins=margins,
             most=_MOST,
             check=check,
         )
+        programs = self._programs(plan)
         for step in plan.steps:
-            _derive(world, plan, step, tables, given)
+            _derive(world, plan, programs, step, tables, given)
         return {one: self._table(tables[one, "truth"], one, margins, symbols) for one in plan.wanted}
+
+    def _programs(self, plan: Plan) -> Programs:
+        """Return the rules of a plan, made ready once."""
+        found = self._ready.get(plan)
+        if found is None:
+            limits = [name for name, _ in Thresholds().items()]
+            found = self._ready[plan] = {
+                (predicate, mode): tuple(
+                    program(rule, mode, lengths=self.ruleset.lengths, limits=limits, margins=plan.margins)
+                    for rule in plan.rules[predicate]
+                )
+                for step in plan.steps
+                for predicate, mode in step.nodes
+            }
+        return found
 
     def _given(
         self,
@@ -123,7 +144,12 @@ class ArrayExecutor:
 
 
 def _derive(
-    world: World, plan: Plan, step: Step, tables: dict[Node, Rows], given: dict[Indicator, Rows]
+    world: World,
+    plan: Plan,
+    programs: Programs,
+    step: Step,
+    tables: dict[Node, Rows],
+    given: dict[Indicator, Rows],
 ) -> None:
     """Fill in the tables of one step; of a recursive one until nothing is new or has a wider margin."""
     if step.recursive:
@@ -134,7 +160,7 @@ def _derive(
     while True:
         grown = False
         for node in step.nodes:
-            found = [RuleArrays(world, rule, node[1]).conclusions() for rule in plan.rules[node[0]]]
+            found = [world.conclusions(one) for one in programs[node]]
             if plan.given[node[0]]:
                 found.append(given[node[0]])
             rows = found[0] if len(found) == 1 and node[0] in plan.once else _once(found)

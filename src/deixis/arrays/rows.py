@@ -102,11 +102,15 @@ def grouped(columns: Sequence[Column]) -> tuple[Index, Index]:
     if count == 0:
         none = np.zeros(0, dtype=np.int64)
         return none, none
-    key = _codes(columns[0])
-    for column in columns[1:]:
-        more = _codes(column)
-        key = key * (int(more.max()) + 1) + more
-        _, key = np.unique(key, return_inverse=True)
+    strides = _strides(columns)
+    if strides is not None:
+        key = _packed(columns, strides)
+    else:
+        key = _codes(columns[0])
+        for column in columns[1:]:
+            more = _codes(column)
+            key = key * (int(more.max()) + 1) + more
+            _, key = np.unique(key, return_inverse=True)
     _, first, group = np.unique(key, return_index=True, return_inverse=True)
     return first, group
 
@@ -138,7 +142,7 @@ def _packed(columns: Sequence[Column], strides: Sequence[int]) -> NDArray[np.int
     key = np.zeros(len(columns[0]), dtype=np.int64)
     for column, low, width in zip(columns, strides[::2], strides[1::2], strict=True):
         key *= width
-        key += np.clip(column - low, 0, width - 1)
+        key += np.minimum(np.maximum(column - low, 0), width - 1)
     return key
 
 
@@ -161,6 +165,9 @@ def _spread(first: Index, count: Index, order: Index, most: int) -> tuple[Index,
     """Return left and right positions, given where each left one's partners begin and how many they are."""
     total = int(count.sum())
     refuse_more(total, most)
+    if int(count.max(initial=0)) <= 1:
+        left = np.flatnonzero(count)
+        return left, order[first[left]]
     left = np.repeat(np.arange(len(count)), count)
     step = np.arange(total) - np.repeat(np.cumsum(count) - count, count)
     return left, order[np.repeat(first, count) + step]

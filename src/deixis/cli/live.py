@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, Final
 
 import typer
 
@@ -13,12 +14,13 @@ from deixis.cli.commands import RegionOption, RuleFiles, ScenePath, app, open_sc
 from deixis.errors import DeixisError, SceneError
 
 if TYPE_CHECKING:
-    from deixis.knowledge import KnowledgeBase
-    from deixis.relations import Relation
     from deixis.updates import Changes
 
 _PATIENCE: Final = 10.0
 """Seconds for each reason."""
+
+_PIECE: Final = 1 << 16
+"""Bytes of a line that is too long that are passed over at once."""
 
 
 @app.command()
@@ -31,40 +33,46 @@ def live(
     """Read updates of a scene as lines of JSON; write which relations each makes hold, or cease to.
 
     An update has objects and views as in a scene file, moves ({"cup": [0, 0, 0.1]}), removed, removed_views
-    and stamp, all optional. One that is refused changes nothing, and its line says why. Exit codes: 0 all
-    were made, 2 some were refused.
+    and stamp, all optional. What is written has gained and lost: relations with their margins, each with
+    because, the reason in a sentence. An update that is refused changes nothing, and its line says why.
+    Exit codes: 0 all were made, 2 some were refused.
     """
-    from deixis.strict_json import parse
+    from deixis.strict_json import MAX_FILE_BYTES, parse
     from deixis.updates import Update
 
     refused = False
     with open_scene(scene, region, rules) as kb:
-        for number, line in enumerate((one for one in sys.stdin.buffer if one.strip()), start=1):
+        for number, (line, whole) in enumerate(_lines(sys.stdin.buffer, MAX_FILE_BYTES), start=1):
             try:
+                if not whole:
+                    most = f"{MAX_FILE_BYTES:,} bytes"
+                    raise SceneError(f"update {number}: the line is longer than {most}: send less at once")
                 update = Update.from_dict(parse(line, SceneError, f"update {number}"), kb.scene)
                 changes = kb.update(update)
             except DeixisError as error:
                 refused = True
                 _write({"update": number, "error": str(error)})
             else:
-                _write({"update": number, **(changes.to_dict() if brief else _with_reasons(changes, kb))})
+                _write({"update": number, **(changes.to_dict() if brief else _with_reasons(changes))})
     if refused:
         raise typer.Exit(2)
 
 
-def _with_reasons(changes: Changes, kb: KnowledgeBase) -> dict[str, Any]:
+def _with_reasons(changes: Changes) -> dict[str, Any]:
     """Return the changes with the reason of each: why it holds now, or why not any more."""
-    from deixis.consequences import because
+    told = changes.explained(timeout=_PATIENCE).to_dict()
+    return {**changes.to_dict(), "gained": told["gained"], "lost": told["lost"]}
 
-    there = {one.id for one in kb.scene.objects} | {view.id for view in kb.scene.views}
 
-    def told(one: Relation) -> dict[str, object]:
-        gone = [name for name in (one.figure, one.reference, one.view) if name and name not in there]
-        reason = f"{' and '.join(gone)} gone" if gone else because(kb.why(one.to_prolog(), timeout=_PATIENCE))
-        return {**one.to_dict(), "because": reason}
-
-    found = changes.to_dict()
-    return {**found, "gained": list(map(told, changes.gained)), "lost": list(map(told, changes.lost))}
+def _lines(stream: BinaryIO, limit: int) -> Iterator[tuple[bytes, bool]]:
+    """Yield lines that are not empty, each with whether it is whole; of a longer one its beginning."""
+    while line := stream.readline(limit + 1):
+        whole = len(line) <= limit or line.endswith(b"\n")
+        rest = b"" if whole else line
+        while rest and not rest.endswith(b"\n"):
+            rest = stream.readline(_PIECE)
+        if line.strip():
+            yield line, whole
 
 
 def _write(told: dict[str, Any]) -> None:

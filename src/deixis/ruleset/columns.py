@@ -77,6 +77,24 @@ class Symbols:
         texts, constants = self._texts, self._constants
         return [texts[code] if code >= 0 else constants[-1 - code] for code in codes.tolist()]
 
+    def translated(self, objects: Index, of: Callable[[Iterable[str]], Index]) -> Index:
+        """Return other numbers for these: at 0, 1 ... and, from the end, at -1, -2 ...
+
+        Parameters
+        ----------
+        objects : (n,) int
+            The other numbers of the objects.
+        of : callable
+            From names to their other numbers.
+
+        Examples
+        --------
+        >>> Symbols(["cup"], ["world", "up"]).translated(np.array([7]), lambda names: [len(n) for n in names])
+        array([7, 2, 5])
+        """
+        others = [*self._texts[len(objects) :], *reversed(self._constants)]
+        return np.concatenate([objects, of(others)])
+
 
 def base_columns(
     predicate: Indicator, facts: Facts, view_labels: Sequence[tuple[str, str]], symbols: Symbols

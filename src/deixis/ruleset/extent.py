@@ -149,6 +149,12 @@ class _Reach:
             for goal in denials
         ]
         every = [*self._stated, *(used for denied in self._denied for used in denied)]
+        self._no_surfaces = {
+            _name(only.args[0])
+            for goal in denials
+            for only in goal.goals
+            if len(goal.goals) == 1 and isinstance(only, Atom) and only.predicate == ("surface", 1)
+        }
         self._bounded = all(extent.bounded for _, extent in every)
         self._links = _links(self._stated)
         named = {name for atom, extent in self._stated for name in _named(atom, extent.things)}
@@ -181,7 +187,7 @@ class _Reach:
         """Return which of the things that the head names are figures."""
         known = {
             _name(atom.args[extent.things[at]]) for atom, extent in self._stated for at in extent.figures
-        }
+        } | self._no_surfaces
         return frozenset(at for at, place in enumerate(things) if _name(self._head.args[place]) in known)
 
     def span(self, things: Sequence[int]) -> int:

@@ -7,7 +7,17 @@ from dataclasses import dataclass
 from typing import Literal
 
 from deixis.ruleset.checking import Ruleset
-from deixis.ruleset.model import Atom, Comparison, Constant, Expression, Goal, Indicator, Negation, Rule
+from deixis.ruleset.model import (
+    Atom,
+    Comparison,
+    Constant,
+    Expression,
+    Goal,
+    Indicator,
+    Negation,
+    Rule,
+    atoms,
+)
 from deixis.ruleset.unfold import unfolded
 
 Mode = Literal["truth", "near"]
@@ -88,6 +98,19 @@ class Plan:
             found.add(node)
             for rule in self.rules.get(node[0], ()):
                 todo += self._uses(rule, node[1])
+        return found
+
+    def rests_on(self, one: Indicator) -> set[Indicator]:
+        """Return all predicates that one rests on, itself among them."""
+        found: set[Indicator] = set()
+        todo = [one]
+        while todo:
+            predicate = todo.pop()
+            if predicate not in found:
+                found.add(predicate)
+                todo += [
+                    atom.predicate for rule in self.rules.get(predicate, ()) for atom, _ in atoms(rule.body)
+                ]
         return found
 
     def _uses(self, rule: Rule, mode: Mode) -> Iterator[Node]:

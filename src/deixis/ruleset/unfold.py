@@ -65,6 +65,8 @@ class Unfolded:
 def unfolded(ruleset: Ruleset) -> Unfolded:
     """Return the rules of each derived predicate, written out as far as that duplicates nothing.
 
+    They are written out once for a ruleset.
+
     Examples
     --------
     >>> from deixis._files import rules_dir
@@ -73,6 +75,13 @@ def unfolded(ruleset: Ruleset) -> Unfolded:
     >>> [goal.name for goal in unfolded(rules).rules["above", 2][0].body if isinstance(goal, Atom)]
     ['figure_reference', 'pair']
     """
+    known: Unfolded | None = ruleset.plans.get(Unfolded)
+    if known is None:
+        known = ruleset.plans[Unfolded] = _unfolded(ruleset)
+    return known
+
+
+def _unfolded(ruleset: Ruleset) -> Unfolded:
     recursive = ruleset.graph.recursive
     done: dict[Indicator, tuple[Rule, ...]] = {}
     keys = dict(KEYS)
