@@ -164,7 +164,7 @@ class SemanticMap(HistoryStore):
             raise MapError(
                 f"the time from {spoken(first)} to {spoken(last)} runs backwards: exchange the two"
             )
-        ruleset = _ruleset(rules) if rules else None
+        ruleset = ruleset_of(rules) if rules else None
         names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
         wanted = [one for name in names for one in predicates(name, ruleset)]
         with self._transaction():
@@ -294,7 +294,8 @@ def _fits(
     )
 
 
-def _ruleset(rules: Rules) -> Ruleset:
+def ruleset_of(rules: Rules) -> Ruleset:
+    """Return the theory's rules with some of the user's own."""
     from deixis.ruleset import load, locate
 
     files = datalog_files()
