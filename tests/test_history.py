@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from itertools import count
 from pathlib import Path
 from typing import Any
 
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from deixis import KnowledgeBase, Scene
-from deixis.errors import DeixisError, MapError, QueryError, QueryTimeout
-from deixis.semantic_map import Interval, SemanticMap, create_map, deriving, open_map
-from deixis.vocabulary import BASE, RELATIONS
+from deixis import KnowledgeBase
+from deixis.semantic_map import Interval, SemanticMap, create_map
 from scenes import ROBOT, box, floor, scene, wall
 from test_semantic_map import Address, address, server  # noqa: F401 - fixtures
 
@@ -28,7 +25,9 @@ def brute(kept: SemanticMap, names: Iterable[str] | None = None, **how: Any) -> 
     before: dict[tuple[str, str, str, str | None], float] = {}
     for stamp in sorted({frame.stamp for frame in kept.frames()}):
         with KnowledgeBase(kept.scene(at=stamp), **how) as kb:
-            now = {(one.relation, one.figure, one.reference, one.view) for one in kb.relations(relation=names)}
+            now = {
+                (one.relation, one.figure, one.reference, one.view) for one in kb.relations(relation=names)
+            }
         found |= {Interval(*key, since, stamp) for key, since in before.items() if key not in now}
         before = {key: before.get(key, stamp) for key in sorted(now, key=str)}
     return found | {Interval(*key, since, None) for key, since in before.items()}

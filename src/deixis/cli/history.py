@@ -59,6 +59,7 @@ def since(
     from deixis.semantic_map import Interval, open_map
 
     with open_map(database) as kept:
+        now = kept.span()[1]
         name, figure, reference, *view = _named(kept, goal, rules)
         by = view[0] if view else None
         then = at_of(kept, at)
@@ -69,7 +70,7 @@ def since(
             before = kept.intervals([name], figure=figure, reference=reference, view=by, end=then, **how)
             last = max((one for one in before if one.view == by), key=lambda one: one.since, default=None)
         answer = _why(kept, goal, then, rules, region) if why else None
-        lasting, now = _lasting(kept), kept.span()[1]
+        lasting = _lasting(kept)
     if found is None:
         asked = Interval(name, figure, reference, by, now, None)
         text = lasting.not_so(asked, then, last)
@@ -211,7 +212,7 @@ def export(
 
     with open_map(database) as kept:
         then = kept.scene(at=at_of(kept, at))
-        past = history_quads(then.id, kept.intervals(timeout=timeout), kept.labels(), kept.views())
+        past = history_quads(then, kept.intervals(timeout=timeout), kept.labels(), kept.views())
     warn(then.diagnostics)
     with KnowledgeBase(then) as kb:
         count = save(kb, target, proofs=proofs, more=past)

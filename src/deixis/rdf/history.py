@@ -19,10 +19,11 @@ from typing import Protocol
 from deixis.moments import exact
 from deixis.rdf.layout import TERM, term
 from deixis.rdf.names import SceneNames
-from deixis.rdf.namespaces import TIME, XSD
+from deixis.rdf.namespaces import PROV, TIME, XSD
 from deixis.rdf.oxigraph import ox
 from deixis.rdf.quads import GraphWriter
 from deixis.rdf.terms import IDENTIFIER, LABEL
+from deixis.scene import Scene
 
 
 class Lasts(Protocol):
@@ -43,31 +44,43 @@ class Lasts(Protocol):
 
 
 def history_quads(
-    scene: str, found: Iterable[Lasts], labels: Mapping[str, str], views: Mapping[str, str]
+    scene: Scene, found: Iterable[Lasts], labels: Mapping[str, str], views: Mapping[str, str]
 ) -> list[ox.Quad]:
     """Return when relations held as quads, in order.
 
     Parameters
     ----------
-    scene : str
-        The map's id, which its scenes have.
+    scene : Scene
+        The one beside which they will stand: it tells what its things are called.
     found : iterable of Interval
     labels, views : mapping
         What all things and views that were ever told of are called, by their ids.
     """
-    names = SceneNames(scene, tuple(labels), tuple(views))
+    names = SceneNames(scene.id, tuple(labels), tuple(views))
     to = GraphWriter(names.history)
-    to.typed(names.history, TERM + "HistoryGraph")
+    to.typed(names.history, TERM + "HistoryGraph", PROV + "Entity")
     to.link(names.history, TERM + "ofScene", names.scene)
-    for called, known, kind in ((labels, names.thing, "SpatialObject"), (views, names.view, "View")):
+    there = {one.id for one in scene.objects}, {view.id for view in scene.views}
+    for called, known, told in ((labels, names.thing, there[0]), (views, names.view, there[1])):
         for name, label in called.items():
-            to.typed(known(name), TERM + kind)
+            if name in told:
+                continue
+            # Not of a class: in the scene there is no such thing any more.
             to.text(known(name), IDENTIFIER, name)
             if label:
                 to.text(known(name), LABEL, label)
     for one in found:
         _holding(to, one, names)
     return to.quads
+
+
+def history_nquads(
+    scene: Scene, found: Iterable[Lasts], labels: Mapping[str, str], views: Mapping[str, str]
+) -> bytes:
+    """Return the same as N-Quads, UTF-8."""
+    text = ox.serialize(history_quads(scene, found, labels, views), format=ox.RdfFormat.N_QUADS)
+    assert text is not None  # noqa: S101 - None is for output to a file
+    return bytes(text)
 
 
 def _holding(to: GraphWriter, one: Lasts, names: SceneNames) -> None:

@@ -249,9 +249,7 @@ class SemanticMap(HistoryStore):
         first, last = self.span()
         time = _number(at, last)
         if time < first:
-            raise MapError(
-                f"nothing is known of {spoken(time)}: the map begins at {spoken(first)}, ask for later"
-            )
+            raise MapError(f"nothing is known of {spoken(time)}: the first frame is of {spoken(first)}")
         return time
 
     def _check_view(self, relation: str, view: str | None) -> None:
