@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import re
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import count
@@ -193,7 +194,7 @@ def test_what_was_derived_in_time_is_kept(tmp_path: Path) -> None:
         for _ in range(3):
             with pytest.raises(QueryTimeout, match="what was derived is kept") as caught:
                 kept.catch_up(timeout=0.0)
-            said.append(str(caught.value)[:38])
+            said.append(str(caught.value).partition(" UTC")[0])
         assert said == [f"what held from 1970-01-01 00:00:0{at}" for at in (1, 2, 3)]
         kept.catch_up(timeout=0.0)
         assert set(kept.intervals()) == brute(kept)
@@ -399,10 +400,13 @@ def test_history_on_the_command_line(on_map: Callable[..., Result]) -> None:
 
 def test_changes_on_the_command_line(on_map: Callable[..., Result]) -> None:
     done = on_map("changes", "10:00", "10:42", "--relation", "on_top_of", "--why")
-    assert [line[:37] for line in done.out.splitlines()] == [
-        "+ The cup has been on the floor since", "  The cup is on top of the floor, beca",
-        "- The cup was on the table from 2026-", "  The cup is not on top of the table (",
-    ]  # fmt: skip
+    lines = [re.split(r" since | from |, | \(", line)[0] for line in done.out.splitlines()]
+    assert lines == [
+        "+ The cup has been on the floor",
+        "  The cup is on top of the floor",
+        "- The cup was on the table",
+        "  The cup is not on top of the table",
+    ]
     found = json.loads(on_map("changes", "10:00", "10:42", "--format", "json").out)
     assert ("on_top_of", "floor") in [(one["relation"], one["reference"]) for one in found["gained"]]
     assert on_map("changes", "10:00", "10:41").code == 1
