@@ -159,6 +159,17 @@ def test_writers_and_askers_at_the_same_time(address: Address) -> None:  # noqa:
         assert set(kept.intervals()) == brute(kept)
 
 
+def test_a_map_of_before_there_was_history(address: Address) -> None:  # noqa: F811 - a fixture
+    place = address()
+    with kitchen(place) as kept, kept._transaction():
+        kept._run("DROP VIEW lasting")
+        for table in ("held", "holding", "accounted", "derivation"):
+            kept._run(f"DROP TABLE {table}")
+        kept._run("DELETE FROM migration WHERE number = 3")
+    with open_map(place) as kept:
+        assert set(kept.intervals()) == brute(kept) != set()
+
+
 def test_other_relations_rules_and_regions_are_derived_on_demand(tmp_path: Path) -> None:
     own = tmp_path / "own.pl"
     own.write_text(OWN, encoding="utf-8")

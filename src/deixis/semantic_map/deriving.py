@@ -95,6 +95,7 @@ class HistoryStore(FrameStore):
     def __init__(self, address: str) -> None:
         super().__init__(address)
         self._followed: _Followed | None = None
+        self._executor: AutoExecutor | None = None
 
     def catch_up(self, *, timeout: float = 600.0) -> None:
         """Derive what held when, as far as it is not known yet; every question about intervals does so first.
@@ -123,6 +124,13 @@ class HistoryStore(FrameStore):
                     f"what held from {spoken(rest)} on could not be derived within {timeout:g} s: "
                     "what was derived is kept, so ask again, or give it more time"
                 )
+
+    def _forget(self) -> None:
+        """Give up what is kept in memory; it is made again when it is needed."""
+        self._followed = None
+        if self._executor is not None:
+            self._executor.close()
+            self._executor = None
 
     @abstractmethod
     def _deriving(self) -> AbstractContextManager[None]:
@@ -169,7 +177,9 @@ class HistoryStore(FrameStore):
         before = [math.nextafter(start, -math.inf)]
         rules = theory()
         things, views = self._rows(THINGS, before), self._rows(VIEWS, before)
-        return Replay(self._map(), things, views, rules, AutoExecutor(rules), KEPT, "box", _EACH)
+        if self._executor is None:
+            self._executor = AutoExecutor(rules)
+        return Replay(self._map(), things, views, rules, self._executor, KEPT, "box", _EACH)
 
     def _replayed(
         self, ruleset: Ruleset, wanted: Sequence[Indicator], region: RegionModel, timeout: float

@@ -63,6 +63,7 @@ class DuckdbMap(SemanticMap):
 
     def close(self) -> None:
         """Let go of the file."""
+        self._forget()
         self._connection.close()
 
     def _connect(self, path: Path, deadline: float) -> duckdb.DuckDBPyConnection:

@@ -167,11 +167,12 @@ class SemanticMap(HistoryStore):
         ruleset = ruleset_of(rules) if rules else None
         names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
         wanted = [one for name in names for one in predicates(name, ruleset)]
-        with self._transaction():
-            # What rules are about need be no thing.
-            self._check_told([] if rules else [name for name in (figure, reference) if name is not None])
-            if view is not None:
-                self._check_known_view(view)
+        # What one's own rules are about need be no thing, nor the third a view.
+        if not rules:
+            with self._transaction():
+                self._check_told([name for name in (figure, reference) if name is not None])
+                if view is not None:
+                    self._check_known_view(view)
         if not rules and region_model(region) == "box" and set(wanted) <= set(KEPT):
             self.catch_up(timeout=timeout)
             with self._transaction():

@@ -66,6 +66,7 @@ class PostgresMap(SemanticMap):
 
     def close(self) -> None:
         """Let go of the database."""
+        self._forget()
         self._connection.close()
 
     def _migrate(self) -> None:
