@@ -61,6 +61,8 @@ THEIR_CLASSES = (
     "prov:Entity",
     "sosa:ObservableProperty",
     "sosa:Observation",
+    "time:Instant",
+    "time:Interval",
 )
 
 CLASSES = {
@@ -102,6 +104,12 @@ CLASSES = {
     "ViewGraph": ("The graph of the horizontal relations as seen from one view.", ["prov:Entity"], {}),
     "MetadataGraph": ("The graph that says where the others come from.", [], {}),
     "DerivationGraph": ("The graph of how each relation was derived.", ["prov:Entity"], {}),
+    "HistoryGraph": ("The graph of when relations held, of a map.", ["prov:Entity"], {}),
+    "Holding": (
+        "A relation while it held: from its beginning on and before its end; without an end it holds still.",
+        ["time:Interval"],
+        {},
+    ),
     "Step": ("One step of a proof.", [], {}),
     "Derivation": ("A relation that holds, with the step that concluded it.", [":Step"], {}),
     "Conclusion": ("A step by a rule.", [":Step"], {}),
@@ -122,7 +130,7 @@ PROPERTIES = {
     "recognised": ("What a thing was recognised as.", ":SpatialObject", ":Recognition"),
     "thresholds": ("What a scene is read with.", ":Scene", ":Thresholds"),
     "withholds": ("What a view says nothing of.", ":View", ":Withheld"),
-    "relation": ("The relation that was derived.", ":Derivation", None),
+    "relation": ("The relation that was derived, or that held.", None, None),
     "figure": ("What is placed.", None, None),
     "reference": ("What it is placed by.", None, None),
     "inGraph": ("The graph that holds the relation.", ":Derivation", None),
@@ -149,7 +157,7 @@ PROPERTIES = {
     "pieceGap": ("Metres: points closer than this are in one piece.", ":Thresholds", DOUBLE),
     **{f"position{axis}": (f"{axis} of the viewer, metres, world frame.", ":View", DOUBLE) for axis in "XYZ"},
     "heading": ("Radians from the world's X axis.", ":View", DOUBLE),
-    "stamp": ("Seconds since the epoch of the recording.", ":View", DOUBLE),
+    "stamp": ("Seconds since the epoch: of the recording, or of a moment.", None, DOUBLE),
     "reason": ("Why nothing is said.", ":Withheld", STRING),
     "regionModel": ("What things are measured as: box, hull or mesh.", ":Run", STRING),
     "sha256": ("Of a rule file's text.", None, STRING),
@@ -178,7 +186,7 @@ PROPERTIES = {
         ":Step",
         STRING,
     ),
-    "seenFrom": ("The view that a step depends on.", ":Step", ":View"),
+    "seenFrom": ("The view that a step, or a relation that held, depends on.", None, ":View"),
     "says": ("The step in words.", ":Step", STRING),
     "ruleFile": ("The file of the rule.", ":Step", STRING),
     "ruleLine": ("Where the rule begins in it.", ":Step", INTEGER),

@@ -12,7 +12,11 @@ from urllib.parse import quote
 
 import pytest
 
+from deixis import Scene
+from deixis.moments import seconds
+from deixis.semantic_map import create_map
 from endpoint import HANS, Server, serving
+from scenes import box, scene
 
 PAGE = Path(__file__).resolve().parent.parent / "src" / "deixis" / "server" / "page"
 EXAMPLES = json.loads((PAGE / "examples.json").read_text(encoding="utf-8"))
@@ -23,8 +27,15 @@ built = pytest.mark.skipif(not (PAGE / "vendor").is_dir(), reason="the query pag
 
 
 @pytest.fixture(scope="module")
-def server() -> Iterator[Server]:
-    with serving(HANS) as running:
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """Serve a map: some examples ask for times."""
+    place, shown = tmp_path_factory.mktemp("map") / "hans.duckdb", Scene.load(HANS)
+    with create_map(place, shown) as kept:
+        kept.add(shown, stamp=seconds("2026-11-22T10:00:00Z"))
+        kept.add(
+            scene(box("sign", (0, 0, 0.2), (0.1, 0.1, 0.4)), views=[]), stamp=seconds("2026-11-22T10:42:00Z")
+        )
+    with serving(place) as running:
         yield running
 
 

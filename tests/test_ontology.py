@@ -20,9 +20,11 @@ from deixis import KnowledgeBase, Scene
 from deixis.errors import QueryError
 from deixis.rdf import dataset
 from deixis.rdf.export import quads
+from deixis.rdf.history import history_quads
 from deixis.rdf.layout import TERM
 from deixis.rdf.namespaces import PREFIXES
 from deixis.rdf.ontology import definition, ontology
+from deixis.semantic_map import Interval
 from deixis.vocabulary import BASE, RELATIONS, TERMS
 from ontology import ASYMMETRIC, CONTEXT, EXCLUDES, IMPLIES, MORE_PREFIXES, ONTOLOGY, SYMMETRIC
 from ontology import context as context_text
@@ -83,6 +85,13 @@ def test_every_word_of_an_export_is_declared() -> None:
                     for one in (quad.predicate, quad.object)
                     if isinstance(one, ox.NamedNode) and one.value.startswith(TERM)
                 }
+    past = [Interval("left_of", "a", "b", "v", 1.0, 2.0)]
+    for quad in history_quads(rich, past, {"a": "cup", "b": ""}, {"v": "robot"}):
+        used |= {
+            one.value
+            for one in (quad.predicate, quad.object)
+            if isinstance(one, ox.NamedNode) and one.value.startswith(TERM)
+        }
     declared = {name for (name,) in rows("SELECT ?t { ?t a ?kind FILTER(ISIRI(?t)) }")}
     assert used - declared == set()
     # Nor is anything declared that is never said, but for what needs a rarer scene or is a step of no export.

@@ -20,8 +20,8 @@ import psycopg
 import pytest
 
 from commands import Result, call
-from deixis.cli.maps import moment, seconds
 from deixis.errors import MapError, SceneError
+from deixis.moments import moment, seconds
 from deixis.scene import BoxRegion, Label, Scene, SpatialObject, View
 from deixis.semantic_map import create_map, open_map
 from postgis_server import PostgisUnavailable, postgis
@@ -137,11 +137,13 @@ def test_any_time_is_what_was_told_until_then(seed: int, address: Address) -> No
     draw = random.Random(seed)  # noqa: S311 - a test
     names = [f"thing {at}" for at in range(6)]
     told: list[tuple[float, int, Scene, bool, list[str]]] = []
+    known: set[str] = set()
     with create_map(address(), room()) as kept:
         for seq in range(1, 25):
             some = draw.sample(names, draw.randint(0, 4))
             shown = room(*(box(name, (0, 0, draw.random()), (1, 1, 1)) for name in some))
-            gone = [name for name in names if name not in some and draw.random() < 0.3]
+            known |= set(some)
+            gone = [name for name in sorted(known) if name not in some and draw.random() < 0.3]
             stamp, whole = float(draw.randint(0, 12)), draw.random() < 0.15
             assert kept.add(shown, stamp=stamp, whole=whole, gone=gone).seq == seq
             told.append((stamp, seq, shown, whole, gone))
@@ -155,7 +157,10 @@ def test_ids_and_labels_are_data(address: Address) -> None:
     names = ["'; DROP TABLE thing;--", "$1", "%s", "\\", '"', "\\N", "a\u202fb", "☃", "null", ""]
     with create_map(address(), room(name="'); halt.")) as kept:
         given = scene(*(box(name, (0, 0, 1), (1, 1, 1), label=name or None) for name in names[:-1]))
-        kept.add(given, stamp=1.0, gone=["'; --"])
+        with pytest.raises(MapError, match="never told of"):
+            kept.add(given, stamp=1.0, gone=["'; --"])
+        kept.add(given, stamp=1.0)
+        kept.add(room(), stamp=0.5, gone=names[:1])
         assert kept.scene().id == "'); halt."
         assert [(one.id, one.label) for one in kept.scene().objects] == [(name, name) for name in names[:-1]]
         # What no scene file may hold is refused at this door too, and the map stays readable.
@@ -163,7 +168,7 @@ def test_ids_and_labels_are_data(address: Address) -> None:
             odd = SpatialObject(bad, (Label("cup"),), "object", BoxRegion([0, 0, 0], [1, 1, 1]))
             with pytest.raises(SceneError):
                 kept.add(Scene("odd", (odd,)), stamp=2.0)
-        assert len(kept.frames()) == 1
+        assert len(kept.frames()) == 2
 
 
 def test_what_cannot_be_told_is_refused_and_leaves_nothing(address: Address) -> None:
@@ -177,7 +182,13 @@ def test_what_cannot_be_told_is_refused_and_leaves_nothing(address: Address) -> 
             kept.scene(at=float("nan"))
         with pytest.raises(MapError, match="other thresholds"):
             kept.add(scene(CUP, thresholds={"closeness": 0.7}))
+        with pytest.raises(MapError, match="never told of 'cup'"):
+            kept.add(room(), gone=["cup"])
         assert kept.frames() == ()
+        kept.add(room(CUP), stamp=1.0)
+        with pytest.raises(MapError, match="never told of 'cap': did you mean 'cup'"):
+            kept.add(room(), gone=["cup", "cap"])
+        assert len(kept.frames()) == 1
     with pytest.raises(MapError, match="already"):
         create_map(place, room())
 
@@ -413,6 +424,16 @@ def test_times_as_people_write_them() -> None:
     assert seconds("2026-11-22T10:42:00+01:00") == seconds("2026-11-22 09:42") == 1795340520.0
     assert moment(1e300) == "1e+300"
     assert moment(seconds("2026-11-22T10:42:00.250Z")) == "2026-11-22T10:42:00.250Z"
+    late = seconds("2026-11-22T23:30:00Z")
+    assert seconds("10:42", day=late) == seconds("2026-11-22T10:42Z")
+    # In that zone it is the next day.
+    assert seconds("10:42:05+01:00", day=late) == seconds("2026-11-23T10:42:05+01:00")
+    for wrong in ("yesterday", "10:60", "nan", "inf", "1e999", ""):
+        with pytest.raises(MapError, match="is no time"):
+            seconds(wrong, day=late)
+    for nowhere in (None, 1e300):
+        with pytest.raises(MapError, match="of no certain day"):
+            seconds("10:42", day=nowhere)
 
 
 def test_a_view_made_in_python_keeps_its_stamp(address: Address) -> None:

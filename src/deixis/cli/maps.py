@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, replace
-from datetime import UTC, datetime
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,11 +17,12 @@ from deixis.cli.measuring import Grounding, GroundingOption, measured
 from deixis.cli.output import RelationFormat, records, warn, write_csv, write_json, write_table
 from deixis.cli.shown import show_relations
 from deixis.errors import MapError
+from deixis.moments import moment, seconds
 from deixis.strict_json import quoted
 
 if TYPE_CHECKING:
     from deixis.scene import Scene
-    from deixis.semantic_map import Frame, Sighting
+    from deixis.semantic_map import Frame, SemanticMap, Sighting
 
 app = typer.Typer(
     help="Keep frames of a place in a database, and ask for any time.",
@@ -38,7 +38,10 @@ Database = Annotated[
 At = Annotated[
     str | None,
     typer.Option(
-        "--at", metavar="TIME", help="As it was then: seconds since the epoch, or 2026-11-22T10:42:00Z."
+        "--at",
+        metavar="TIME",
+        help="As it was then: 2026-11-22T10:42:00Z, 10:42 of the map's last day (in UTC, or 10:42+01:00), "
+        "or seconds since the epoch.",
     ),
 ]
 
@@ -122,7 +125,7 @@ def list_(
         elif thing is not None:
             columns, rows = _SIGHTING_COLUMNS, [_sighting(one) for one in kept.sightings(thing)]
         else:
-            time = None if at is None else seconds(at)
+            time = at_of(kept, at)
             columns, rows = _THING_COLUMNS, _things(kept.scene(at=time), kept.seen(at=time))
     if output is ListFormat.JSON:
         write_json(rows)
@@ -172,47 +175,24 @@ def scene(
     print(f"{target}: {len(found.objects)} objects, {len(found.views)} views", file=sys.stderr)
 
 
-def seconds(time: str) -> float:
-    """Return a time that a user wrote as seconds since the epoch; without a zone it is UTC.
-
-    Examples
-    --------
-    >>> seconds("2026-11-22T10:42:00Z"), seconds("12.5")
-    (1795344120.0, 12.5)
-    """
+def time_of(kept: SemanticMap, text: str) -> float:
+    """Return a time that a user wrote; a time of day is that of the map's last day."""
     try:
-        return float(time)
-    except ValueError:
-        pass
-    try:
-        moment = datetime.fromisoformat(time)
-    except ValueError:
-        raise MapError(
-            f"{quoted(time)} is no time: give seconds since the epoch, or 2026-11-22T10:42:00Z"
-        ) from None
-    return (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()
+        return seconds(text)
+    except MapError:
+        return seconds(text, day=kept.span()[1])
 
 
-def moment(stamp: float) -> str:
-    """Return seconds since the epoch as people read them; what is beyond the calendar as it is.
-
-    Examples
-    --------
-    >>> moment(1795344120.25)
-    '2026-11-22T10:42:00.250Z'
-    """
-    try:
-        return datetime.fromtimestamp(stamp, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
-    except (ValueError, OverflowError, OSError):
-        return f"{stamp:g}"
+def at_of(kept: SemanticMap, text: str | None) -> float | None:
+    """Return a time that a user may have written."""
+    return None if text is None else time_of(kept, text)
 
 
 def _at(database: str, at: str | None) -> Scene:
     from deixis.semantic_map import open_map
 
-    time = None if at is None else seconds(at)
     with open_map(database) as kept:
-        return kept.scene(at=time)
+        return kept.scene(at=at_of(kept, at))
 
 
 def _frame(frame: Frame) -> dict[str, Any]:

@@ -11,8 +11,11 @@ import typer
 
 def serve(
     scenes: Annotated[
-        list[Path] | None,
-        typer.Argument(metavar="[SCENE]...", help="Scene files, beside those in the store."),
+        list[str] | None,
+        typer.Argument(
+            metavar="[SCENE]...",
+            help="Scene files, or maps with their history (FILE.duckdb, postgresql://...).",
+        ),
     ] = None,
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=1, max=65535, help="Port to listen on.")] = 7878,

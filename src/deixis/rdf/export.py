@@ -7,6 +7,7 @@ graph                      holds
 its ``:view:V``, for each  the five horizontal relations as seen from V
 its ``:metadata``          scene and views (SOSA), run, rules and thresholds (PROV-O)
 its ``:derivations``       of every relation: its axiom, its margin and the steps of its proof
+its ``:history``           of a map: since when and until when each relation held (OWL-Time)
 =========================  ======================================================================
 """
 
@@ -147,8 +148,24 @@ def relations_text(kb: Knowledge, found: Sequence[Holds], form: str) -> str:
     return serialised(relation_quads(kb, found), form, names_of(kb)).decode()
 
 
-def save(kb: Knowledge, path: Path, *, proofs: bool = True, view: str | None = None) -> int:
+def save(
+    kb: Knowledge,
+    path: Path,
+    *,
+    proofs: bool = True,
+    view: str | None = None,
+    more: Sequence[ox.Quad] = (),
+) -> int:
     """Write a scene with all that follows from it to a file, in the format of its ending.
+
+    Parameters
+    ----------
+    kb : KnowledgeBase
+    path : Path
+    proofs, view
+        As of :func:`quads`.
+    more : sequence of quad
+        What else is to be written, such as its history.
 
     Returns
     -------
@@ -165,7 +182,7 @@ def save(kb: Knowledge, path: Path, *, proofs: bool = True, view: str | None = N
         The file cannot be written.
     """
     form = ending(path)
-    found = quads(kb, proofs=proofs, view=view)
+    found = [*quads(kb, proofs=proofs, view=view), *more]
     text = serialised(found, form, names_of(kb))
     try:
         write_whole(path, text)

@@ -4,7 +4,7 @@
 the scene          ``urn:deixis:scene:S``, which also names the graph of what no view changes
 a thing            ``urn:deixis:scene:S:thing:ID``
 a view             ``urn:deixis:scene:S:view:ID``, which also names the graph of what is seen from it
-other graphs       ``urn:deixis:scene:S:metadata``, ``urn:deixis:scene:S:derivations``
+other graphs       ``urn:deixis:scene:S:metadata``, ``...:derivations``, ``...:history``
 =================  ==========================================================================
 
 Ids are percent-encoded, colons too, so that no id can be read as anything else and each comes back exactly.
@@ -44,6 +44,7 @@ class SceneNames:
         self.scene = SCENE + quote(scene, safe="")
         self.metadata = f"{self.scene}:metadata"
         self.derivations = f"{self.scene}:derivations"
+        self.history = f"{self.scene}:history"
         self.run = f"{self.scene}:run"
         self.thresholds = f"{self.scene}:thresholds"
         self.frame = f"{self.scene}:frame"
@@ -79,6 +80,15 @@ class SceneNames:
     def row(self, relation: str, *args: str) -> str:
         """Return the IRI of a row with more than two arguments."""
         return ":".join([self.scene, "row", quote(relation, safe=""), *(quote(one, safe="") for one in args)])
+
+    def holding(self, since: float, relation: str, *args: str) -> str:
+        """Return the IRI of a relation of some names while it held, by when that began."""
+        parts = (repr(float(since)), relation, *args)
+        return ":".join([self.history, *(quote(one, safe="") for one in parts)])
+
+    def instant(self, stamp: float) -> str:
+        """Return the IRI of a moment, by its seconds since the epoch."""
+        return f"{self.scene}:instant:{quote(repr(float(stamp)), safe='')}"
 
     def derivation(self, relation: str, *args: str) -> str:
         """Return the IRI of what derives a relation of some names."""

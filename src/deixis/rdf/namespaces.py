@@ -12,6 +12,7 @@ XSD: Final = "http://www.w3.org/2001/XMLSchema#"
 DCTERMS: Final = "http://purl.org/dc/terms/"
 PROV: Final = "http://www.w3.org/ns/prov#"
 SOSA: Final = "http://www.w3.org/ns/sosa/"
+TIME: Final = "http://www.w3.org/2006/time#"
 GEO: Final = "http://www.opengis.net/ont/geosparql#"
 
 PREFIXES: Final = {
@@ -23,5 +24,6 @@ PREFIXES: Final = {
     "prov": PROV,
     "sosa": SOSA,
     "geo": GEO,
+    "time": TIME,
 }
 """What they are called in Turtle, in the query page and in the examples."""

@@ -12,8 +12,9 @@ import duckdb
 import numpy as np
 
 from deixis.errors import MapError
+from deixis.semantic_map.history import SemanticMap
 from deixis.semantic_map.records import Row
-from deixis.semantic_map.store import SemanticMap, by_column, columns_of, migrations
+from deixis.semantic_map.store import by_column, columns_of, migrations
 from deixis.strict_json import quoted
 
 _SETTINGS: Final[dict[str, str | bool | int | float | list[str]]] = {
@@ -62,6 +63,7 @@ class DuckdbMap(SemanticMap):
 
     def close(self) -> None:
         """Let go of the file."""
+        self._forget()
         self._connection.close()
 
     def _connect(self, path: Path, deadline: float) -> duckdb.DuckDBPyConnection:
@@ -103,6 +105,15 @@ class DuckdbMap(SemanticMap):
 
     def _rows(self, statement: str, values: Sequence[Any] = ()) -> list[Row]:
         return self._connection.execute(statement, list(values)).fetchall()
+
+    def _run(self, statement: str, values: Sequence[Any] = ()) -> None:
+        self._connection.execute(statement, list(values))
+
+    @contextmanager
+    def _deriving(self) -> Iterator[None]:
+        # One process has the file, and each map is used by one thread.
+        with self._transaction():
+            yield
 
     def _insert(self, table: str, rows: Sequence[Row]) -> None:
         if not rows:

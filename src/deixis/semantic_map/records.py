@@ -26,6 +26,10 @@ COLUMNS: Final[Mapping[str, tuple[str, ...]]] = {
     ),
     "viewpoint": ("frame", "position", "id", "label", "x", "y", "z", "heading", "stamp"),
     "shape": ("frame", "position", "hull", "box"),
+    "derivation": ("rules", "turn"),
+    "accounted": ("frame",),
+    "held": ("relation", "figure", "reference", "view", "since", "until"),
+    "holding": ("relation", "figure", "reference", "view", "since"),
 }  # fmt: skip
 """The tables, each with its columns; shapes are kept where there is PostGIS."""
 

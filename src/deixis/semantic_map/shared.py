@@ -9,8 +9,9 @@ from typing import Any, Final
 from deixis.addresses import REMEDY, well_formed
 from deixis.errors import MapError, MissingDependency
 from deixis.scene import Scene
+from deixis.semantic_map.history import SemanticMap
 from deixis.semantic_map.records import Row, shape_rows
-from deixis.semantic_map.store import SemanticMap, columns_of, migrations
+from deixis.semantic_map.store import columns_of, migrations
 
 try:
     import psycopg
@@ -27,6 +28,9 @@ SELECT to_regtype('geometry') IS NOT NULL AND EXISTS (SELECT FROM pg_extension W
 
 _TURN: Final = 0x6465_6978
 """Number of the lock that those who make or change the tables take in turn."""
+
+_DERIVING: Final = 0x6465_6979
+"""Number of the lock that those who derive what held when take in turn."""
 
 
 class PostgresMap(SemanticMap):
@@ -62,6 +66,7 @@ class PostgresMap(SemanticMap):
 
     def close(self) -> None:
         """Let go of the database."""
+        self._forget()
         self._connection.close()
 
     def _migrate(self) -> None:
@@ -92,13 +97,32 @@ class PostgresMap(SemanticMap):
     @contextmanager
     def _transaction(self) -> Iterator[None]:
         with self._ours(), self._connection.transaction():
-            self._connection.execute(
-                sql.SQL("SET LOCAL search_path TO {}, public").format(sql.Identifier(_SCHEMA))
-            )
+            self._search()
             yield
+
+    def _search(self) -> None:
+        self._connection.execute(
+            sql.SQL("SET LOCAL search_path TO {}, public").format(sql.Identifier(_SCHEMA))
+        )
 
     def _rows(self, statement: str, values: Sequence[Any] = ()) -> list[Row]:
         return self._connection.execute(statement.encode(), values).fetchall()
+
+    def _run(self, statement: str, values: Sequence[Any] = ()) -> None:
+        self._connection.execute(statement.encode(), values)
+
+    @contextmanager
+    def _deriving(self) -> Iterator[None]:
+        with self._ours():
+            self._connection.execute("SELECT pg_advisory_lock($1)", [_DERIVING])
+            try:
+                with self._connection.transaction():
+                    # All statements see the frames that there are now: others go on adding.
+                    self._connection.execute("SET TRANSACTION ISOLATION LEVEL REPEATABLE READ")
+                    self._search()
+                    yield
+            finally:
+                self._connection.execute("SELECT pg_advisory_unlock($1)", [_DERIVING])
 
     def _insert(self, table: str, rows: Sequence[Row]) -> None:
         columns = sql.SQL(", ").join(map(sql.Identifier, columns_of(table)))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import difflib
 import math
-import os
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -41,13 +41,13 @@ WITH before AS (SELECT seq, stamp, whole FROM frame WHERE stamp <= $1),
 """
 """What was told last of each thing until a time; what a whole frame does not name was gone by then."""
 
-_THINGS: Final = _TOLD + (
+THINGS: Final = _TOLD + (
     "SELECT id, kind, labels, region FROM told WHERE NOT gone ORDER BY stamp, seq, position"
 )
 
 _SEEN: Final = _TOLD + "SELECT id, stamp FROM told WHERE NOT gone ORDER BY stamp, seq, position"
 
-_VIEWS: Final = """
+VIEWS: Final = """
 WITH latest AS (SELECT frame FROM viewpoint JOIN frame ON frame.seq = viewpoint.frame
                 WHERE frame.stamp <= $1 ORDER BY frame.stamp DESC, frame.seq DESC LIMIT 1)
 SELECT id, label, x, y, z, heading, stamp FROM viewpoint WHERE frame = (SELECT frame FROM latest)
@@ -104,23 +104,12 @@ class Sighting:
     center: tuple[float, float, float] | None
 
 
-class SemanticMap(ABC):
+class FrameStore(ABC):
     """A database of frames, each a scene as it was at some time.
 
     The scene of a time is what was told last of each thing until then. Views are those of the last frame
     that has any. Frames may arrive late: what counts is their stamp (decision 0047). Each thread needs a map
     of its own; several may be open on one database.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from deixis._files import kb_dir
-    >>> scene = Scene.load(kb_dir() / "scenes" / "hans.json")
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     with create_map(Path(folder, "map.duckdb"), scene) as kept:
-    ...         frame = kept.add(scene, stamp=100.0)
-    ...         frame.things, kept.scene(at=99.0).objects, len(kept.scene(at=100.0).objects)
-    (8, (), 8)
     """
 
     def __init__(self, address: str) -> None:
@@ -160,7 +149,8 @@ class SemanticMap(ABC):
         ------
         MapError
             The stamp is not finite, the scene has other thresholds than the map, a thing is both shown and
-            gone, or the database cannot be written.
+            gone, something is said to be gone that the map was never told of, or the database cannot be
+            written.
         """
         if stamp is None:
             stamp = max((view.stamp for view in scene.views if view.stamp is not None), default=time.time())
@@ -176,6 +166,8 @@ class SemanticMap(ABC):
                     f"scene {quoted(scene.id)} has other thresholds or another treatment of strays than the "
                     "map: leave them out of the scene, or make a map like it"
                 )
+            if gone:
+                self._check_told(gone)
             seq = int(self._rows("SELECT nextval('frame_seq')")[0][0])
             self._insert("frame", [(seq, stamp, scene.id, whole)])
             for table, some in rows.items():
@@ -200,7 +192,7 @@ class SemanticMap(ABC):
         """Return the scene as it was at a time, in seconds since the epoch; by default the last known."""
         until = _until(at)
         with self._transaction():
-            return scene_of(self._map(), self._rows(_THINGS, until), self._rows(_VIEWS, until))
+            return scene_of(self._map(), self._rows(THINGS, until), self._rows(VIEWS, until))
 
     def seen(self, *, at: float | None = None) -> dict[str, float]:
         """Return when each thing that is there at a time was last told of, by its id."""
@@ -224,6 +216,10 @@ class SemanticMap(ABC):
         """Return what a statement finds; $1, $2 ... stand for the values."""
 
     @abstractmethod
+    def _run(self, statement: str, values: Sequence[Any] = ()) -> None:
+        """Carry out a statement that finds nothing."""
+
+    @abstractmethod
     def _insert(self, table: str, rows: Sequence[Row]) -> None:
         """Write rows in bulk into one of our tables."""
 
@@ -233,48 +229,23 @@ class SemanticMap(ABC):
             raise MapError(f"{self.address} has no map in it: make one with `deixis map init`")
         return rows[0]
 
+    def _check_told(self, names: Sequence[str]) -> None:
+        """Raise :class:`MapError` unless the map was told of all these things."""
+        known = self._rows("SELECT DISTINCT id FROM thing WHERE id = ANY($1::varchar[])", [list(names)])
+        lost = set(names).difference(name for (name,) in known)
+        if lost:
+            all_names = [name for (name,) in self._rows("SELECT DISTINCT id FROM thing ORDER BY id")]
+            close = difflib.get_close_matches(min(lost), all_names, n=3)
+            meant = (
+                f"did you mean {', '.join(map(quoted, close))}?" if close else "`deixis map list` names all"
+            )
+            raise MapError(f"the map was never told of {quoted(min(lost))}: {meant}")
+
     def _begin(self, like: Scene) -> None:
         with self._transaction():
             if self._rows("SELECT id FROM map"):
                 raise MapError(f"{self.address} holds a map already: add to it, or choose another place")
             self._insert("map", [map_row(like)])
-
-
-def create_map(address: str | os.PathLike[str], like: Scene) -> SemanticMap:
-    """Make an empty map and return it.
-
-    Parameters
-    ----------
-    address : path or str
-        A DuckDB file that is not there yet, or ``postgresql://...``.
-    like : Scene
-        Gives the map its id, its thresholds and what becomes of strays; its things are not added.
-
-    Raises
-    ------
-    MapError
-        There is a map already, or the database cannot be written.
-    MissingDependency
-        PostgreSQL was asked for without psycopg.
-    """
-    kept = _opened(address, create=True)
-    try:
-        kept._begin(like)
-    except BaseException:
-        kept.close()
-        raise
-    return kept
-
-
-def open_map(address: str | os.PathLike[str]) -> SemanticMap:
-    """Return a map that is there already; raises as :func:`create_map` does."""
-    kept = _opened(address, create=False)
-    try:
-        _ = kept.id
-    except BaseException:
-        kept.close()
-        raise
-    return kept
 
 
 def migrations(done: Collection[int], *kinds: str) -> list[tuple[int, str]]:
@@ -306,14 +277,3 @@ def _until(at: float | None) -> list[float]:
     if math.isnan(until):
         raise MapError("the time is not a number: give seconds since the epoch")
     return [until]
-
-
-def _opened(address: str | os.PathLike[str], *, create: bool) -> SemanticMap:
-    text = os.fspath(address)
-    if text.startswith(("postgresql://", "postgres://")):
-        from deixis.semantic_map.shared import PostgresMap
-
-        return PostgresMap(text)
-    from deixis.semantic_map.embedded import DuckdbMap
-
-    return DuckdbMap(Path(text), create=create)

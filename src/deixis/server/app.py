@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
+from types import MappingProxyType
+from typing import Final
 
 from fastapi import FastAPI
 from fastapi.exceptions import RequestValidationError
@@ -24,6 +26,8 @@ from deixis.server.page import page
 from deixis.server.problems import Problem, problem, response
 from deixis.server.protocol import Protocol
 from deixis.server.settings import Settings
+
+EMPTY: Final[Mapping[str, bytes]] = MappingProxyType({})
 
 _POLICY = "default-src 'none'; frame-ancestors 'none'"
 _GUARDS = {
@@ -52,7 +56,7 @@ class Guards:
         await self._app(scope, receive, guarded if scope["type"] == "http" else send)
 
 
-def create_app(settings: Settings, scenes: Mapping[str, bytes]) -> FastAPI:
+def create_app(settings: Settings, scenes: Mapping[str, bytes], past: Mapping[str, bytes] = EMPTY) -> FastAPI:
     """Return the server as an ASGI application.
 
     Parameters
@@ -60,13 +64,15 @@ def create_app(settings: Settings, scenes: Mapping[str, bytes]) -> FastAPI:
     settings : Settings
     scenes : mapping of str to bytes
         Scene files by the ids of their scenes, loaded beside those in the store.
+    past : mapping of str to bytes
+        Of scenes that are maps: when relations held, as N-Quads.
     """
     dataset = Dataset(settings)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         try:
-            await dataset.start(dict(scenes))
+            await dataset.start(dict(scenes), past)
             yield
         finally:
             await dataset.stop()

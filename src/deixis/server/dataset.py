@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import asyncio
 from collections import OrderedDict
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from deixis.errors import DeixisError, QueryTimeout, SceneError
+from deixis.rdf.names import SceneNames
 from deixis.server.children import Answer, Child, Lost
 from deixis.server.lanes import Memory
 from deixis.server.problems import Overloaded, Problem, raised
@@ -28,6 +30,10 @@ class Loaded:
     text: bytes
     quads: bytes
     graphs: dict[str, str]
+
+    def with_past(self, quads: bytes, graph: str) -> Loaded:
+        """Return it with when relations held, in a graph of its own."""
+        return replace(self, quads=self.quads + quads, graphs=self.graphs | {"history": graph})
 
 
 class Dataset:
@@ -64,13 +70,15 @@ class Dataset:
             raise AssertionError("the server was not started")
         return self._root
 
-    async def start(self, scenes: dict[str, bytes]) -> None:
-        """Load what is in the store, and some scenes more, which are put into it."""
+    async def start(self, scenes: dict[str, bytes], past: Mapping[str, bytes]) -> None:
+        """Load what is in the store, and some scenes more, which are put into it; not so their past."""
         self._root = await Child.first()
         kept = dict(self._store.scenes()) if self._store else {}
         self._own = self._store.graphs() if self._store else b""
         for name, text in (kept | scenes).items():
             loaded = await self._load(name, text)
+            if name in past:
+                loaded = loaded.with_past(past[name], SceneNames(name).history)
             self.scenes[name] = loaded
             if self._store and kept.get(name) != loaded.text:
                 self._store.save(name, loaded.text.decode())

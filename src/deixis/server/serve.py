@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from pathlib import Path
 from typing import Final
 
 import uvicorn
 
 from deixis.errors import DeixisError
+from deixis.rdf.history import history_nquads
 from deixis.scene import Scene
+from deixis.semantic_map import is_map, open_map
 from deixis.server.app import create_app
 from deixis.server.connections import bounded
 from deixis.server.settings import Settings
@@ -18,27 +19,34 @@ from deixis.server.settings import Settings
 _BACKLOG: Final = 512
 
 
-def serve(scenes: Sequence[Path], settings: Settings) -> None:
-    """Serve scene files, and return when the server is stopped.
+def serve(scenes: Sequence[str], settings: Settings) -> None:
+    """Serve scene files and maps, and return when the server is stopped.
+
+    Of a map the scene as it was told last is served, and when each relation held, as it is known now.
 
     Raises
     ------
-    SceneError
-        A file is no scene.
+    SceneError, MapError
+        A file is no scene, or a map cannot be read.
     DeixisError
         Two scenes have the same id, or updates are allowed to everyone.
     """
     if settings.writable and settings.token is None:
         raise DeixisError("--writable needs a token: set --token or DEIXIS_TOKEN")
     texts: dict[str, bytes] = {}
-    for path in scenes:
-        scene = Scene.load(path)
+    past: dict[str, bytes] = {}
+    for address in scenes:
+        if is_map(address):
+            scene, quads = _mapped(address)
+            past[scene.id] = quads
+        else:
+            scene = Scene.load(address)
         if scene.id in texts:
-            raise DeixisError(f"two of the files hold a scene {scene.id!r}: rename one")
+            raise DeixisError(f"two of them hold a scene {scene.id!r}: rename one")
         texts[scene.id] = scene.to_json().encode()
     connection = bounded(settings.limits)
     config = uvicorn.Config(
-        create_app(settings, texts),
+        create_app(settings, texts, past),
         host=settings.host,
         port=settings.port,
         access_log=False,
@@ -63,3 +71,10 @@ def serve(scenes: Sequence[Path], settings: Settings) -> None:
         raise DeixisError(
             f"the server could not start on {settings.host}:{settings.port}: is the port taken?"
         )
+
+
+def _mapped(address: str) -> tuple[Scene, bytes]:
+    """Return the scene of a map as it was told last, and its history as N-Quads."""
+    with open_map(address) as kept:
+        scene = kept.scene()
+        return scene, history_nquads(scene, kept.intervals(), kept.labels(), kept.views())

@@ -6,6 +6,7 @@ person would accept of two things.
 
 from deixis.words.answering import Reply, say
 from deixis.words.describing import Description, Sentence, Stated, describe
+from deixis.words.lasting import Lasting
 from deixis.words.lexicon import ENTRIES, NOT_GROUNDED, Entry, Sense, entry_of, predicates_in, words_for
 
 __all__ = [
@@ -13,6 +14,7 @@ __all__ = [
     "NOT_GROUNDED",
     "Description",
     "Entry",
+    "Lasting",
     "Reply",
     "Sense",
     "Sentence",
