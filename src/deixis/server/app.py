@@ -19,6 +19,7 @@ from deixis import __version__
 from deixis.errors import DeixisError
 from deixis.server.api import api
 from deixis.server.dataset import Dataset
+from deixis.server.following import following
 from deixis.server.graphs import Graphs
 from deixis.server.page import page
 from deixis.server.problems import Problem, problem, response
@@ -91,13 +92,15 @@ def create_app(settings: Settings, scenes: Mapping[str, bytes]) -> FastAPI:
         app.router.routes.append(_route(path, page, ["GET"]))
     app.router.routes.append(_route("/health", _health(dataset), ["GET"]))
     app.include_router(api(dataset, settings))
+    app.include_router(following(dataset, settings))
+    app.state.hush = dataset.hush
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(_hosts(settings)), www_redirect=False)
     if settings.origins:
         app.add_middleware(
             CORSMiddleware,
             allow_origins=list(settings.origins),
             allow_methods=["GET", "HEAD", "POST", "PUT", "DELETE"],
-            allow_headers=["Authorization", "Content-Type"],
+            allow_headers=["Authorization", "Content-Type", "Last-Event-ID"],
             expose_headers=["Deixis-Truncated", "Location", "Retry-After"],
         )
     app.add_middleware(Guards)

@@ -63,6 +63,10 @@ class Work:
         """Take in a scene."""
         return self._reasons.load(body, export=header["export"])
 
+    def tell(self, header: Mapping[str, Any], body: bytes) -> Reply:
+        """Take in an update of the scene."""
+        return self._reasons.tell(body, **header["with"])
+
     def objects(self, _header: Mapping[str, Any], _body: bytes) -> Reply:
         """Return the things of the scene."""
         return self._reasons.objects(), b""
@@ -106,6 +110,10 @@ class Work:
     def view(self, header: Mapping[str, Any], _: bytes) -> Reply:
         """Show the scene."""
         return {}, self._reasons.page(**header["with"])
+
+    def shown(self, header: Mapping[str, Any], _: bytes) -> Reply:
+        """Return the data of the page, for one that is open."""
+        return {}, self._reasons.shown(**header["with"])
 
 
 def main(descriptor: int) -> None:
