@@ -44,12 +44,9 @@ _PLACE: Final = 64
 """Characters of an event's id, at most."""
 
 
-def following(dataset: Dataset, settings: Settings) -> APIRouter:
+def following(dataset: Dataset, settings: Settings, streams: Streams) -> APIRouter:
     """Return the routes of living scenes."""
     router = APIRouter(prefix="/scenes", tags=["living scenes"])
-    limits = settings.limits
-    # The other half of the connections is for those who ask.
-    streams = Streams(max(1, min(limits.streams, limits.connections // 2)), limits.heartbeat)
 
     @router.post(
         "/{scene}/updates",
