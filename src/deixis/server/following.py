@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Annotated, Any, Final
 
 from fastapi import APIRouter, Header, Query, Request, Response
-from fastapi.responses import HTMLResponse
+from fastapi.responses import HTMLResponse, StreamingResponse
 
 from deixis.errors import MissingDependency
 from deixis.server import incoming
 from deixis.server.dataset import Dataset
-from deixis.server.events import Stream, Streams
+from deixis.server.events import Streams
 from deixis.server.problems import Problem
 from deixis.server.settings import Settings
 from deixis.server.told import UpdateTold
@@ -65,7 +65,7 @@ def following(dataset: Dataset, settings: Settings, streams: Streams) -> APIRout
 
     @router.get(
         "/{scene}/changes",
-        response_class=Stream,
+        response_class=StreamingResponse,
         responses={
             200: {"description": _EVENTS, "content": {"text/event-stream": {"schema": {"type": "string"}}}}
         },
@@ -81,7 +81,8 @@ def following(dataset: Dataset, settings: Settings, streams: Streams) -> APIRout
         ] = None,
     ) -> Response:
         """Tell what changes, as it happens, for as long as the client listens."""
-        return streams.response(dataset.events(scene), last_event_id or since)
+        place = since if last_event_id is None else last_event_id
+        return streams.response(dataset.events(scene), place)
 
     @router.get("/{scene}/view", response_class=HTMLResponse)
     async def view(scene: str) -> HTMLResponse:
