@@ -161,6 +161,11 @@ class Dataset:
             except SceneError:
                 keeper.event = loaded.event
                 raise
+            except QueryTimeout:
+                seconds = 2.0 * limits.timeout
+                raise QueryTimeout(
+                    f"the update took more than {seconds:g} s and changes nothing: send less at once"
+                ) from None
             return await self._commit(name, loaded, keeper, *answer)
         finally:
             await keepers.give_back(keeper)
