@@ -420,6 +420,14 @@ def test_a_reader_sees_whole_scenes_only_while_it_is_updated() -> None:
         assert len(seen) > 1
 
 
+def test_many_pages_that_are_open_ask_at_the_same_time(server: Server) -> None:
+    event = server.change("hans", LIFTED).json["event"]
+    with ThreadPoolExecutor(12) as pool:
+        replies = list(pool.map(lambda _: server.send("GET", "/scenes/hans/view/data"), range(24)))
+    assert {reply.status for reply in replies} == {200}
+    assert {reply.json["now"]["event"] for reply in replies} == {event}
+
+
 def test_streams_end_with_the_server_at_once() -> None:
     with ExitStack() as stack:
         server = start(HANS, "--writable")

@@ -266,7 +266,17 @@ class Dataset:
 
     async def page_data(self, name: str) -> bytes:
         """Return the data of the page of one scene, in JSON."""
-        return (await self._reasoned(name, "shown", self._now(name)))[1]
+        loaded = self._loaded(name)
+        if loaded.page is None:
+            work = self._reasoned(name, "shown", self._now(name))
+            loaded.page = asyncio.get_running_loop().create_task(work)
+
+            def noted(task: asyncio.Task[Answer]) -> None:
+                if task.cancelled() or task.exception() is not None:
+                    loaded.page = None
+
+            loaded.page.add_done_callback(noted)
+        return (await asyncio.shield(loaded.page))[1]
 
     def _now(self, name: str) -> dict[str, Any]:
         return {"timeout": self._settings.limits.timeout, "event": self._loaded(name).event}

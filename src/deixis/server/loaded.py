@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
+from deixis.server.children import Answer
 from deixis.server.events import Events
 
 
@@ -28,6 +29,8 @@ class Loaded:
         The id of the event that made it what it is.
     failed : tuple of float and str, or None
         When its graphs could not be made, and why.
+    page : asyncio.Task or None
+        What makes the data of its page, or has made them: all pages that are open ask at the same time.
     """
 
     told: dict[str, Any]
@@ -36,6 +39,7 @@ class Loaded:
     quads: bytes | None = None
     event: str = ""
     failed: tuple[float, str] | None = None
+    page: asyncio.Task[Answer] | None = None
 
     @classmethod
     def of(cls, header: Mapping[str, Any], text: bytes, quads: bytes | None = None) -> Self:

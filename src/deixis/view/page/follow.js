@@ -2,6 +2,7 @@
 import { unpacked } from "./data.js";
 
 const AGAIN = 3000; // milliseconds until the next try
+const LONGEST = 60_000; // the same where it fails again and again
 const SIGNS = { live: "live", lost: "connection lost, trying again", gone: "this scene was removed" };
 
 const pause = (time) => new Promise((done) => { setTimeout(done, time); });
@@ -40,12 +41,20 @@ export function follow(event, take, sign) {
     stale = true;
     if (busy) return;
     busy = true;
+    let wait = AGAIN;
     while (stale) {
       stale = false;
       try {
         const reply = await fetch("view/data", { cache: "no-store" });
         if (reply.status === 404) break;
-        if (!reply.ok) throw new Error(reply.statusText);
+        if (!reply.ok) {
+          // It is there, and has no time.
+          await pause(wait);
+          wait = Math.min(2 * wait, LONGEST);
+          stale = true;
+          continue;
+        }
+        wait = AGAIN;
         const told = await reply.json();
         const [now, later] = await Promise.all([unpacked(told.now), unpacked(told.later)]);
         await still();
