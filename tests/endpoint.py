@@ -87,6 +87,13 @@ class Server:
             "PUT", f"/scenes/{name}", json.dumps(scene).encode(), token=True, content_type="application/json"
         )
 
+    def change(self, name: str, update: Mapping[str, Any], *, token: bool = True) -> Reply:
+        """Update a scene."""
+        body = json.dumps(update).encode()
+        return self.send(
+            "POST", f"/scenes/{name}/updates", body, token=token, content_type="application/json"
+        )
+
     def family(self) -> list[int]:
         """Return the process ids of the server and all that descend from it."""
         found, known = [self.process.pid], children()
@@ -122,9 +129,10 @@ def start(
     *arguments: str | Path,
     env: Mapping[str, str] | None = None,
     command: Sequence[str] = ("-m", "deixis", "serve"),
+    port: int | None = None,
 ) -> Server:
     """Start a server and wait until it answers."""
-    port = free_port()
+    port = port or free_port()
     line = [sys.executable, "-W", "error", *command, *map(str, arguments), "--port", str(port)]
     process = subprocess.Popen(
         line, env=os.environ | {"DEIXIS_TOKEN": TOKEN} | (env or {}), stderr=subprocess.PIPE
@@ -150,9 +158,10 @@ def serving(
     *arguments: str | Path,
     env: Mapping[str, str] | None = None,
     command: Sequence[str] = ("-m", "deixis", "serve"),
+    port: int | None = None,
 ) -> Iterator[Server]:
     """Run a server for a block."""
-    server = start(*arguments, env=env, command=command)
+    server = start(*arguments, env=env, command=command, port=port)
     try:
         yield server
     finally:

@@ -220,7 +220,8 @@ def test_the_description_names_every_path(server: Server) -> None:
         "/scenes", "/scenes/{scene}", "/scenes/{scene}/objects", "/scenes/{scene}/relations",
         "/scenes/{scene}/ask", "/scenes/{scene}/names", "/scenes/{scene}/why", "/scenes/{scene}/why-all",
         "/scenes/{scene}/why-not", "/scenes/{scene}/contrast", "/scenes/{scene}/change",
-        "/scenes/{scene}/what-if", "/scenes/{scene}/view",
+        "/scenes/{scene}/what-if", "/scenes/{scene}/view", "/scenes/{scene}/view/data",
+        "/scenes/{scene}/updates", "/scenes/{scene}/changes",
     }  # fmt: skip
     relation = told["components"]["schemas"]["RelationTold"]["properties"]
     assert set(relation) == {"relation", "figure", "reference", "view", "margin"}

@@ -88,6 +88,19 @@ def test_the_server_answers_what_the_readme_shows(root: Path) -> None:
             )
 
 
+def test_a_living_scene_is_followed_as_the_readme_shows(root: Path, tmp_path: Path) -> None:
+    (block,) = (one for one in blocks("bash") if one["text"].startswith("export DEIXIS_TOKEN"))
+    token, first, commands = block["text"].split("\n", 2)
+    _, _, *arguments, scene, _ = first.split()
+    with serving(*arguments, root / scene, env={"DEIXIS_TOKEN": token.partition("=")[2]}) as server:
+        script = f"{token}\n{commands.replace('http://localhost:7878', server.url)}wait"
+        done = subprocess.run(
+            ["sh", "-e", "-c", script], capture_output=True, text=True, cwd=tmp_path, check=False
+        )
+    assert (done.returncode, done.stderr) == (0, "")
+    check(shown_after(block), done.stdout)
+
+
 def test_the_map_tells_what_the_readme_shows(root: Path, tmp_path: Path) -> None:
     """The commands are run where they may leave files; the query is asked of what they export."""
     (tmp_path / "kb").symlink_to(root / "kb")

@@ -26,7 +26,10 @@ def serve(
         ),
     ] = None,
     writable: Annotated[
-        bool, typer.Option("--writable", help="Take SPARQL updates too, from clients with the token.")
+        bool,
+        typer.Option(
+            "--writable", help="Take updates of scenes and graphs too, from clients with the token."
+        ),
     ] = False,
     store: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Keep scenes here: they outlive the server.")
@@ -54,5 +57,8 @@ def serve(
         raise MissingDependency(f"deixis serve needs {missing}: pip install 'deixis[server]'") from None
     limits = Limits(timeout=timeout, rows=rows, memory=memory << 20)
     hosts, origins = tuple(allow_host or ()), tuple(cors or ())
-    print(f"deixis: serving http://{host}:{port}/sparql and /scenes; stop with Ctrl-C", file=sys.stderr)
-    run(scenes or [], Settings(host, port, token or None, writable, store, hosts, origins, limits))
+
+    def ready() -> None:
+        print(f"deixis: serving http://{host}:{port}/sparql and /scenes; stop with Ctrl-C", file=sys.stderr)
+
+    run(scenes or [], Settings(host, port, token or None, writable, store, hosts, origins, limits), ready)

@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Any, TypeVar
 
 from fastapi import APIRouter, Query, Request, Response
-from fastapi.responses import HTMLResponse
 from pydantic import BaseModel, ValidationError
 
-from deixis.errors import MissingDependency
 from deixis.server import incoming
 from deixis.server.dataset import Dataset
 from deixis.server.problems import Problem
@@ -31,7 +29,6 @@ from deixis.server.told import (
     ThingList,
     WhyNotTold,
 )
-from deixis.view import policy_of
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -163,16 +160,6 @@ def api(dataset: Dataset, settings: Settings) -> APIRouter:
         moves = await _taken(Moves, request, settings)
         given = {"moves": moves.moves, "limit": moves.limit, "timeout": timeout}
         return ConsequencesTold(**await dataset.reason(scene, "what_if", given))
-
-    @router.get("/{scene}/view", response_class=HTMLResponse)
-    async def view(scene: str) -> HTMLResponse:
-        """Return a page that shows the scene, its relations and their reasons, for people."""
-        try:
-            policy = policy_of()
-        except MissingDependency as error:
-            raise Problem(404, str(error)) from error
-        headers = {"Content-Security-Policy": f"{policy}; frame-ancestors 'none'"}
-        return HTMLResponse(await dataset.page(scene), headers=headers)
 
     return router
 

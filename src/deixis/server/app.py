@@ -21,6 +21,8 @@ from deixis import __version__
 from deixis.errors import DeixisError
 from deixis.server.api import api
 from deixis.server.dataset import Dataset
+from deixis.server.events import Streams
+from deixis.server.following import following
 from deixis.server.graphs import Graphs
 from deixis.server.page import page
 from deixis.server.problems import Problem, problem, response
@@ -95,15 +97,20 @@ def create_app(settings: Settings, scenes: Mapping[str, bytes], past: Mapping[st
         app.router.routes.append(_route(path, graphs.handle, ["GET", "PUT", "POST", "DELETE"]))
     for path in ("/", "/page/{file:path}"):
         app.router.routes.append(_route(path, page, ["GET"]))
-    app.router.routes.append(_route("/health", _health(dataset), ["GET"]))
+    limits = settings.limits
+    # The other half of the connections is for those who ask.
+    streams = Streams(max(1, min(limits.streams, limits.connections // 2)), limits.heartbeat)
+    app.router.routes.append(_route("/health", _health(dataset, streams), ["GET"]))
     app.include_router(api(dataset, settings))
+    app.include_router(following(dataset, settings, streams))
+    app.state.hush = dataset.hush
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(_hosts(settings)), www_redirect=False)
     if settings.origins:
         app.add_middleware(
             CORSMiddleware,
             allow_origins=list(settings.origins),
             allow_methods=["GET", "HEAD", "POST", "PUT", "DELETE"],
-            allow_headers=["Authorization", "Content-Type"],
+            allow_headers=["Authorization", "Content-Type", "Last-Event-ID"],
             expose_headers=["Deixis-Truncated", "Location", "Retry-After"],
         )
     app.add_middleware(Guards)
@@ -114,9 +121,10 @@ def _route(path: str, handle: Callable[[Request], Awaitable[Response]], methods:
     return Route(path, handle, methods=methods)
 
 
-def _health(dataset: Dataset) -> Callable[[Request], Awaitable[Response]]:
+def _health(dataset: Dataset, streams: Streams) -> Callable[[Request], Awaitable[Response]]:
     async def health(_: Request) -> Response:
-        return JSONResponse({"scenes": len(dataset.scenes), "quads": dataset.current.quads})
+        told = {"scenes": len(dataset.scenes), "quads": dataset.current.quads, "following": streams.open}
+        return JSONResponse(told)
 
     return health
 

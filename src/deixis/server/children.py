@@ -126,6 +126,11 @@ class Child(asyncio.Protocol):
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.setpriority(os.PRIO_PROCESS, self.pid, priority)
 
+    async def retire(self) -> None:
+        """End it when all that it was asked up to now is answered."""
+        async with self._turn:
+            await self.end()
+
     async def end(self) -> None:
         """End it at once, whatever it does."""
         if self._transport is not None:

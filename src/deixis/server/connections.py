@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Final
 
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
+from deixis.server.events import FOLLOWS
 from deixis.server.problems import problem
 from deixis.server.settings import Limits
 
@@ -57,6 +58,12 @@ class Connection(HttpToolsProtocol):
         self._head_late = self._stuck = None
         self.awaited.pop(self, None)
         super().connection_lost(exc)
+
+    def shutdown(self) -> None:
+        """End after the answer that is being sent; a stream of events that nobody reads ends now."""
+        super().shutdown()
+        if self._stuck is not None and FOLLOWS in self.cycle.scope:
+            self.transport.abort()
 
     def data_received(self, data: bytes) -> None:
         """Take what comes, up to a bound."""

@@ -1,39 +1,33 @@
 """What is served: scenes, the graphs that clients wrote, and the snapshot that readers see.
 
 Changes come one after the other. Each makes a whole new snapshot beside the old one, is brought to the
-disk, and then takes the old one's place: a reader sees all of a scene or nothing of it.
+disk, and then takes the old one's place: a reader sees all of a scene or nothing of it. An update of a scene
+is brought to the disk and told; the snapshot is made anew when it is asked for next.
 """
 
 from __future__ import annotations
 
 import asyncio
-from collections import OrderedDict
+import json
+import time
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
 
 from deixis.errors import DeixisError, QueryTimeout, SceneError
 from deixis.rdf.names import SceneNames
-from deixis.server.children import Answer, Child, Lost
+from deixis.server.children import Answer, Child
+from deixis.server.events import Events
+from deixis.server.keepers import Keeper, Keepers
 from deixis.server.lanes import Memory
-from deixis.server.problems import Overloaded, Problem, raised
+from deixis.server.loaded import Life, Loaded
+from deixis.server.problems import Overloaded, Problem
+from deixis.server.reasoners import Reasoners, answered
 from deixis.server.settings import Settings
 from deixis.server.snapshot import Snapshot
 from deixis.server.store import Store
 
-
-@dataclass(frozen=True, slots=True)
-class Loaded:
-    """A scene as it is served."""
-
-    told: dict[str, Any]
-    text: bytes
-    quads: bytes
-    graphs: dict[str, str]
-
-    def with_past(self, quads: bytes, graph: str) -> Loaded:
-        """Return it with when relations held, in a graph of its own."""
-        return replace(self, quads=self.quads + quads, graphs=self.graphs | {"history": graph})
+_PAUSE: Final = 30.0
+"""Seconds for which graphs that could not be made are not tried again."""
 
 
 class Dataset:
@@ -48,12 +42,18 @@ class Dataset:
         self._settings = settings
         self._store = None if settings.store is None else Store(settings.store)
         self._memory = Memory()
-        self._changing, self._waking = asyncio.Lock(), asyncio.Lock()
-        self._awake: OrderedDict[str, tuple[Loaded, Child]] = OrderedDict()
-        self._asked: dict[str, int] = {}
+        # Snapshots are made one after the other; what is on the disk and what is served change together.
+        self._changing, self._committing = asyncio.Lock(), asyncio.Lock()
+        self._lives: dict[str, Life] = {}
+        self._waiting = 0
+        # How many updates there were, and how many of them the snapshot has.
+        self._updates = self._seen = 0
+        self._refreshing: asyncio.Task[None] | None = None
         self._own = b""
+        # Of scenes that are maps: when relations held, as it was known at the start.
+        self._past: dict[str, bytes] = {}
         self.scenes: dict[str, Loaded] = {}
-        self._root: Child | None = None
+        self._processes: tuple[Child, Reasoners, Keepers] | None = None
         self._current: Snapshot | None = None
 
     @property
@@ -64,47 +64,59 @@ class Dataset:
         return self._current
 
     @property
-    def root(self) -> Child:
-        """Return the process that others are forked from."""
-        if self._root is None:
+    def processes(self) -> tuple[Child, Reasoners, Keepers]:
+        """Return the process that others are forked from, those that reason, and those that keep."""
+        if self._processes is None:
             raise AssertionError("the server was not started")
-        return self._root
+        return self._processes
 
     async def start(self, scenes: dict[str, bytes], past: Mapping[str, bytes]) -> None:
         """Load what is in the store, and some scenes more, which are put into it; not so their past."""
-        self._root = await Child.first()
+        root, limits = await Child.first(), self._settings.limits
+        reasoners = Reasoners(root, limits)
+        self._processes = root, reasoners, Keepers(reasoners.of, limits.scenes_awake)
         kept = dict(self._store.scenes()) if self._store else {}
         self._own = self._store.graphs() if self._store else b""
+        self._past = {name: quads for name, quads in past.items() if name in scenes}
         for name, text in (kept | scenes).items():
-            loaded = await self._load(name, text)
-            if name in past:
-                loaded = loaded.with_past(past[name], SceneNames(name).history)
-            self.scenes[name] = loaded
+            loaded = self._with_past(name, await reasoners.load(name, text))
+            self._serve(name, loaded)
             if self._store and kept.get(name) != loaded.text:
                 self._store.save(name, loaded.text.decode())
         self._current = await self._snapshot(self.scenes, self._own)
 
+    def hush(self) -> None:
+        """Let all streams of events end."""
+        for life in self._lives.values():
+            life.events.end()
+
     async def stop(self) -> None:
         """End all processes."""
-        for _, child in self._awake.values():
-            await child.end()
+        if self._refreshing is not None:
+            self._refreshing.cancel()
         if self._current is not None:
             await self._current.retire()
-        if self._root is not None:
-            await self._root.end()
+        if self._processes is not None:
+            root, reasoners, keepers = self._processes
+            await reasoners.close()
+            await keepers.close()
+            await root.end()
         if self._store is not None:
             self._store.close()
 
     async def put(self, name: str, text: bytes) -> tuple[Loaded, bool]:
         """Take in a scene; return it, and whether it is new."""
         async with self._changing:
-            loaded = await self._load(name, text)
-            scenes = self.scenes | {name: loaded}
-            snapshot = await self._snapshot(scenes, self._own)
-            if self._store is not None:
-                await asyncio.to_thread(self._store.save, name, loaded.text.decode())
-            new = name not in self.scenes
-            await self._swap(snapshot, scenes, self._own)
+            loaded = await self.processes[1].load(name, text)
+            seen = self._updates
+            snapshot = await self._snapshot(self.scenes | {name: loaded}, self._own)
+            async with self._committing:
+                if self._store is not None:
+                    await asyncio.to_thread(self._store.save, name, loaded.text.decode())
+                new = name not in self.scenes
+                self._past.pop(name, None)
+                self._serve(name, loaded, '{"because": "the scene was replaced"}')
+            await self._swap(snapshot, seen)
             return loaded, new
 
     async def remove(self, name: str) -> bool:
@@ -112,25 +124,149 @@ class Dataset:
         async with self._changing:
             if name not in self.scenes:
                 return False
+            seen = self._updates
             scenes = {one: loaded for one, loaded in self.scenes.items() if one != name}
             snapshot = await self._snapshot(scenes, self._own)
-            if self._store is not None:
-                await asyncio.to_thread(self._store.remove, name)
-            await self._swap(snapshot, scenes, self._own)
+            async with self._committing:
+                if self._store is not None:
+                    await asyncio.to_thread(self._store.remove, name)
+                self.scenes = {one: loaded for one, loaded in self.scenes.items() if one != name}
+                self._past.pop(name, None)
+                events = self._lives.pop(name).events
+                events.add("gone", '{"because": "the scene was removed"}')
+                events.end()
+            await self._swap(snapshot, seen)
             return True
+
+    async def update(self, name: str, text: bytes) -> dict[str, Any]:
+        """Take in an update of a scene; return what it changed."""
+        if self._waiting >= self._settings.limits.updates:
+            raise Overloaded(f"{self._waiting} updates are waiting: send the next when one has its answer")
+        self._waiting += 1
+        try:
+            while True:
+                life = self._life(name)
+                async with life.turn:
+                    told = None if self._lives.get(name) is not life else await self._told(name, text)
+                if told is not None:
+                    return told
+                # Replaced meanwhile: what the update says may mean something else now.
+        finally:
+            self._waiting -= 1
+
+    async def _told(self, name: str, text: bytes) -> dict[str, Any] | None:
+        """Tell a scene's keeper; return what changed, None where the scene was replaced meanwhile."""
+        limits, loaded, keepers = self._settings.limits, self._loaded(name), self.processes[2]
+        keeper = await keepers.take(name, loaded.event, loaded.text)
+        try:
+            # Until it is on the disk, the keeper is ahead of what is served.
+            keeper.event = None
+            header = {"do": "tell", "with": {"most": limits.event}}
+            try:
+                answer = await answered(keeper.child, header, text, timeout=2.0 * limits.timeout)
+            except SceneError:
+                keeper.event = loaded.event
+                raise
+            except QueryTimeout:
+                seconds = 2.0 * limits.timeout
+                raise QueryTimeout(
+                    f"the update took more than {seconds:g} s and changes nothing: send less at once"
+                ) from None
+            return await self._commit(name, loaded, keeper, *answer)
+        finally:
+            await keepers.give_back(keeper)
+
+    async def _commit(
+        self, name: str, before: Loaded, keeper: Keeper, header: Mapping[str, Any], body: bytes
+    ) -> dict[str, Any] | None:
+        """Serve a scene as an update has made it, unless it is another one by now."""
+        after = self._with_past(name, Loaded.of(header, body[: header["split"]]))
+        changes, count = body[header["split"] :].decode(), header["count"]
+        async with self._committing:
+            if self.scenes.get(name) is not before:
+                return None
+            if self._store is not None:
+                await asyncio.to_thread(self._store.save, name, after.text.decode())
+            kind, data = "changes", changes
+            if not changes:
+                kind = "reload"
+                data = json.dumps({"because": f"{count} relations changed: more than one event tells"})
+            keeper.event = after.event = self._lives[name].events.add(kind, data)
+            self.scenes = self.scenes | {name: after}
+            self._updates += 1
+        found = json.loads(changes) if changes else {"gained": [], "lost": []}
+        return {"stamp": None, **found, "event": after.event, "count": count, "truncated": not changes}
+
+    def events(self, name: str) -> Events:
+        """Return what happens to a scene."""
+        return self._life(name).events
+
+    def _with_past(self, name: str, loaded: Loaded) -> Loaded:
+        """Return the scene with the name of the graph of its past among its graphs."""
+        if name in self._past:
+            loaded.graphs = loaded.graphs | {"history": SceneNames(name).history}
+        return loaded
+
+    def _life(self, name: str) -> Life:
+        self._loaded(name)
+        return self._lives[name]
+
+    def _loaded(self, name: str) -> Loaded:
+        loaded = self.scenes.get(name)
+        if loaded is None:
+            raise Problem(404, f"there is no scene {name!r}: GET /scenes lists those there are")
+        return loaded
+
+    def _serve(self, name: str, loaded: Loaded, because: str = "") -> None:
+        """Serve a scene from now on, and tell those who follow it."""
+        life = self._lives.get(name)
+        if life is None:
+            life = self._lives[name] = Life(self._settings.limits.kept)
+            loaded.event = life.events.last
+        else:
+            loaded.event = life.events.add("reload", because)
+        self.scenes = self.scenes | {name: loaded}
+
+    async def fresh(self) -> Snapshot:
+        """Return what readers see now; where scenes were updated, it is made anew.
+
+        Raises
+        ------
+        QueryTimeout
+            That takes longer than a question may take; it goes on.
+        """
+        wanted, limits = self._updates, self._settings.limits
+        try:
+            async with asyncio.timeout(limits.timeout):
+                while self._seen < wanted:
+                    if self._refreshing is None or self._refreshing.done():
+                        self._refreshing = asyncio.get_running_loop().create_task(self._refresh())
+                        self._refreshing.add_done_callback(_noted)
+                    await asyncio.shield(self._refreshing)
+        except TimeoutError:
+            raise QueryTimeout("the graphs of a scene that was updated are being made: ask again") from None
+        return self.current
+
+    async def _refresh(self) -> None:
+        async with self._changing:
+            seen = self._updates
+            await self._swap(await self._snapshot(self.scenes, self._own), seen)
 
     async def change(self, header: dict[str, Any], body: bytes) -> None:
         """Carry out an update, or write or drop a graph, in a process of its own."""
+        await self.fresh()
         async with self._changing:
             child = await self.current.worker()
             try:
-                _, own = await self._answered(child, header, body, self._settings.limits.timeout)
+                _, own = await answered(child, header, body, timeout=self._settings.limits.timeout)
             finally:
                 await child.end()
+            seen = self._updates
             snapshot = await self._snapshot(self.scenes, own)
             if self._store is not None:
                 await asyncio.to_thread(self._store.save_graphs, own)
-            await self._swap(snapshot, self.scenes, own)
+            self._own = own
+            await self._swap(snapshot, seen)
 
     async def reason(self, name: str, do: str, header: dict[str, Any] | None = None) -> dict[str, Any]:
         """Ask the process of one scene."""
@@ -138,85 +274,62 @@ class Dataset:
 
     async def page(self, name: str) -> bytes:
         """Return the page of one scene."""
-        return (await self._reasoned(name, "view", {"timeout": self._settings.limits.timeout}))[1]
+        return (await self._reasoned(name, "view", self._now(name)))[1]
 
-    async def _reasoned(self, name: str, do: str, header: dict[str, Any] | None) -> Answer:
-        limits = self._settings.limits
-        loaded = self.scenes.get(name)
-        if loaded is None:
-            raise Problem(404, f"there is no scene {name!r}: GET /scenes lists those there are")
-        if self._asked.get(name, 0) >= limits.workers:
-            raise Overloaded(f"{limits.workers} questions about this scene are waiting: ask again later")
-        self._asked[name] = self._asked.get(name, 0) + 1
-        try:
-            child = await self._wake(name, loaded)
-            message = {"do": do} | ({} if header is None else {"with": header})
-            # The engines have time-outs of their own; this one is for what does not keep to them.
-            return await self._answered(child, message, b"", 2.0 * limits.timeout)
-        finally:
-            self._asked[name] -= 1
+    async def page_data(self, name: str) -> bytes:
+        """Return the data of the page of one scene, in JSON."""
+        loaded = self._loaded(name)
+        if loaded.page is None:
+            work = self._reasoned(name, "shown", self._now(name))
+            loaded.page = asyncio.get_running_loop().create_task(work)
 
-    async def _wake(self, name: str, loaded: Loaded) -> Child:
-        async with self._waking:
-            known = self._awake.get(name)
-            if known is not None and known[0] is loaded and known[1].alive:
-                self._awake.move_to_end(name)
-                return known[1]
-            child = await self._reasoner()
-            message = {"do": "scene", "export": False}
-            await self._answered(child, message, loaded.text, self._settings.limits.timeout)
-            if known is not None:
-                await known[1].end()
-            self._awake[name] = loaded, child
-            self._awake.move_to_end(name)
-            while len(self._awake) > self._settings.limits.scenes_awake:
-                _, (_, oldest) = self._awake.popitem(last=False)
-                await oldest.end()
-            return child
+            def noted(task: asyncio.Task[Answer]) -> None:
+                if task.cancelled() or task.exception() is not None:
+                    loaded.page = None
 
-    async def _reasoner(self) -> Child:
-        child = await self.root.fork()
-        await child.call("restrict", memory=2 * self._settings.limits.memory, files=True)
-        return child
+            loaded.page.add_done_callback(noted)
+        return (await asyncio.shield(loaded.page))[1]
 
-    async def _load(self, name: str, text: bytes) -> Loaded:
-        child = await self._reasoner()
-        try:
-            message = {"do": "scene", "export": True}
-            told, quads = await self._answered(child, message, text, 6.0 * self._settings.limits.timeout)
-        finally:
-            await child.end()
-        if told["id"] != name:
-            raise SceneError(
-                f"the scene calls itself {told['id']!r}: its id and its address must be the same"
+    def _now(self, name: str) -> dict[str, Any]:
+        return {"timeout": self._settings.limits.timeout, "event": self._loaded(name).event}
+
+    async def _reasoned(self, name: str, do: str, given: dict[str, Any] | None) -> Answer:
+        return await self.processes[1].ask(name, self._loaded(name), do, given)
+
+    async def _export(self, name: str, loaded: Loaded) -> bytes:
+        """Return the quads of a scene, made now if it was updated."""
+        if loaded.quads is None:
+            if loaded.failed is None or time.monotonic() > loaded.failed[0] + _PAUSE:
+                try:
+                    loaded.quads = (await self.processes[1].load(name, loaded.text)).quads or b""
+                    return loaded.quads
+                except DeixisError as error:
+                    loaded.failed = time.monotonic(), str(error)
+            raise Problem(
+                503,
+                f"the graphs of scene {name!r} could not be made: {loaded.failed[1]}; "
+                "an update that makes it smaller helps, or to remove it",
+                {"Retry-After": str(int(_PAUSE))},
             )
-        plain = {key: told[key] for key in ("id", "objects", "views", "notes")}
-        return Loaded(plain, told["text"].encode(), quads, told["graphs"])
-
-    async def _answered(self, child: Child, header: dict[str, Any], body: bytes, timeout: float) -> Answer:
-        """Ask a child, and end it if it takes too long or is lost."""
-        try:
-            async with asyncio.timeout(timeout):
-                answer = await child.call(header.pop("do"), body, **header)
-        except TimeoutError:
-            await child.end()
-            raise QueryTimeout(f"no answer within {timeout:g} s: ask something narrower") from None
-        told = answer[0]
-        if told.get("error") == "unexpected":
-            raise Lost(f"a process failed: {told['text'].strip().splitlines()[-1]}")
-        if "error" in told:
-            raise raised(told["error"], told["text"])
-        return answer
+        return loaded.quads
 
     async def _snapshot(self, scenes: dict[str, Loaded], own: bytes) -> Snapshot:
-        quads = b"".join(one.quads for one in scenes.values())
+        exports = [await self._export(name, one) for name, one in scenes.items()]
+        quads = b"".join([*exports, *(self._past[name] for name in scenes if "history" in scenes[name].graphs)])
         owned = [name for one in scenes.values() for name in one.graphs.values()]
+        root = self.processes[0]
         try:
-            return await Snapshot.of(self.root, quads, own, owned, self._settings.limits, self._memory)
+            return await Snapshot.of(root, quads, own, owned, self._settings.limits, self._memory)
         except TimeoutError:
             raise DeixisError("the dataset took too long to load: serve fewer scenes") from None
 
-    async def _swap(self, snapshot: Snapshot, scenes: dict[str, Loaded], own: bytes) -> None:
-        old, self._current = self.current, snapshot
-        self.scenes, self._own = scenes, own
+    async def _swap(self, snapshot: Snapshot, seen: int) -> None:
+        """Show readers a snapshot, which has so many updates."""
+        old, self._current, self._seen = self.current, snapshot, seen
         await old.retire()
+
+
+def _noted(task: asyncio.Task[None]) -> None:
+    """Take note of how a task ended: whoever waits for it is told, and the next who asks tries again."""
+    if not task.cancelled():
+        task.exception()

@@ -49,7 +49,7 @@ class Graphs:
             name = f"{_address(request)}/{uuid4()}"
         elif everything:
             raise Problem(400, "say which graph: ?graph=IRI or ?default")
-        known = name is None or name in self._dataset.current.names
+        known = name is None or name in (await self._dataset.fresh()).names
         if request.method == "DELETE":
             if not known:
                 raise Problem(404, f"there is no graph <{name}>")
@@ -89,7 +89,7 @@ class Graphs:
             "form": offered[media],
             "size": self._settings.limits.answer,
         }
-        told, body = await self._dataset.current.ask(header)
+        told, body = await (await self._dataset.fresh()).ask(header)
         if told.get("missing"):
             raise Problem(404, f"there is no graph <{name}>: GET /sparql lists those there are")
         return Response(body, headers={"Content-Type": content_type(media), **NOT_KEPT})

@@ -56,7 +56,7 @@ class Protocol:
             if any(name == "update" for name, _ in url):
                 raise Problem(405, "updates are sent with POST", {"Allow": "POST"})
             if not any(name == "query" for name, _ in url):
-                return self._description(request)
+                return await self._description(request)
             return await self._query(request, _one(url, "query"), url)
         media = incoming.media_of(request)
         if media not in (_FORM, _QUERY, _UPDATE):
@@ -93,14 +93,15 @@ class Protocol:
             "base": _base(request),
             "union": not screened.chooses,
         }
+        current = await self._dataset.fresh()
         if not options["default"] and not options["named"]:
-            screened.check_graphs(self._dataset.current.names)
+            screened.check_graphs(current.names)
 
         async def gone() -> None:
             while (await request.receive())["type"] != "http.disconnect":
                 pass
 
-        told, body = await self._dataset.current.ask(
+        told, body = await current.ask(
             {"do": "query", "with": options}, cut.encode(), gone=gone, timeout=_seconds(fields)
         )
         return answered(told, body, media)
@@ -126,16 +127,15 @@ class Protocol:
         # An update may be long: others are answered meanwhile.
         update = await asyncio.to_thread(screen, text, limits.body, limits.depth, update=True)
         names = "using-graph-uri", "using-named-graph-uri"
-        update.check_graphs(self._dataset.current.names)
+        update.check_graphs((await self._dataset.fresh()).names)
         changed = using(update, *(_all(fields, name) for name in names))
         await self._dataset.change({"do": "update", "base": _base(request)}, changed.encode())
         return Response(status_code=204)
 
-    def _description(self, request: Request) -> Response:
+    async def _description(self, request: Request) -> Response:
         media = wanted(request.headers.get("accept", ""), _GRAPHS)
-        told = description(
-            _base(request), self._dataset.current.names, GRAPHS[media], update=self._settings.writable
-        )
+        names = (await self._dataset.fresh()).names
+        told = description(_base(request), names, GRAPHS[media], update=self._settings.writable)
         return Response(told, headers={"Content-Type": content_type(media), **NOT_KEPT})
 
 

@@ -6,7 +6,7 @@ import base64
 import json
 from typing import Any, Final
 
-from deixis.errors import QueryError
+from deixis.errors import QueryError, SceneError
 from deixis.knowledge import KnowledgeBase
 from deixis.relations import Relation
 from deixis.scene import Scene
@@ -32,7 +32,7 @@ class Reasons:
         self._kb: KnowledgeBase | None = None
         self._explaining: KnowledgeBase | None = None
         self._known: dict[tuple[str, ...] | None, tuple[Relation, ...]] = {}
-        self._page: bytes | None = None
+        self._shown: tuple[str, str] | None = None
 
     @property
     def kb(self) -> KnowledgeBase:
@@ -57,23 +57,52 @@ class Reasons:
         SceneError
             It is not well formed, or names files: what is sent brings its geometry along.
         """
-        from deixis.errors import SceneError
-
         scene = Scene.from_dict(parse(text, SceneError, _EXPORTED))
         self._kb, self._explaining = KnowledgeBase(scene), None
-        self._known, self._page = {}, None
-        told: dict[str, Any] = {
+        self._known, self._shown = {}, None
+        if not export:
+            return self._summary(), b""
+        from deixis.rdf.export import graph_names, nquads
+
+        quads = nquads(self._kb)
+        return {**self._summary(), "graphs": graph_names(self._kb), "text": scene.to_json()}, quads
+
+    def tell(self, text: bytes, *, most: int) -> tuple[dict[str, Any], bytes]:
+        """Take in an update in JSON; return what the scene holds, and its text with what changed after it.
+
+        Parameters
+        ----------
+        text : bytes
+            See :meth:`deixis.updates.Update.from_dict`.
+        most : int
+            Bytes of what changed; where it is more, only how many relations did.
+
+        Raises
+        ------
+        SceneError
+            The update is not well formed, or tells of what is not there; the scene is as it was.
+        """
+        from deixis.rdf.export import graph_names
+        from deixis.updates import Update
+
+        update = Update.from_dict(parse(text, SceneError, "the update"), self.kb.scene)
+        found = self.kb.update(update)
+        changes = json.dumps(found.to_dict(), ensure_ascii=False, allow_nan=False).encode()
+        count = len(found.gained) + len(found.lost)
+        if len(changes) > most:
+            changes = b""
+        whole = self.kb.scene.to_json().encode()
+        names = graph_names(self.kb)
+        return {**self._summary(), "graphs": names, "split": len(whole), "count": count}, whole + changes
+
+    def _summary(self) -> dict[str, Any]:
+        scene = self.kb.scene
+        return {
             "id": scene.id,
             "objects": len(scene.objects),
             "views": [{"id": view.id, "label": view.label} for view in scene.views],
             "notes": list(scene.diagnostics),
         }
-        if not export:
-            return told, b""
-        from deixis.rdf.export import graph_names, nquads
-
-        quads = nquads(self._kb)
-        return {**told, "graphs": graph_names(self._kb), "text": scene.to_json()}, quads
 
     def objects(self) -> dict[str, Any]:
         """Return the things of the scene with their labels and boxes."""
@@ -147,11 +176,26 @@ class Reasons:
         """Return what each thing is called."""
         return {"names": self.explaining.names(view=view, timeout=timeout)}
 
-    def page(self, *, timeout: float) -> bytes:
-        """Return the page that shows the scene; made once."""
-        if self._page is None:
-            self._page = self.kb.page(timeout=timeout).encode()
-        return self._page
+    def page(self, *, event: str, timeout: float) -> bytes:
+        """Return the page that shows the scene, and follows what happens to it after an event."""
+        from deixis.view import page_text
+
+        now, later = self._data(event, timeout)
+        return page_text(f"{self.kb.scene.id}: Deixis", now, later, follows=True).encode()
+
+    def shown(self, *, event: str, timeout: float) -> bytes:
+        """Return the data of the page, for one that is open already."""
+        now, later = self._data(event, timeout)
+        return f'{{"now":{now},"later":{later}}}'.encode()
+
+    def _data(self, event: str, timeout: float) -> tuple[str, str]:
+        """Return the data of the page; made once."""
+        from deixis.view import packed
+
+        if self._shown is None:
+            now, later = self.kb.page_data(timeout=timeout)
+            self._shown = packed({**now, "event": event}), packed(later)
+        return self._shown
 
     def why(self, *, goal: str, timeout: float) -> dict[str, Any]:
         """Return the proof of a relation with its evidence, or how far it is from holding."""

@@ -63,6 +63,10 @@ class Work:
         """Take in a scene."""
         return self._reasons.load(body, export=header["export"])
 
+    def tell(self, header: Mapping[str, Any], body: bytes) -> Reply:
+        """Take in an update of the scene."""
+        return self._reasons.tell(body, **header["with"])
+
     def objects(self, _header: Mapping[str, Any], _body: bytes) -> Reply:
         """Return the things of the scene."""
         return self._reasons.objects(), b""
@@ -107,9 +111,21 @@ class Work:
         """Show the scene."""
         return {}, self._reasons.page(**header["with"])
 
+    def shown(self, header: Mapping[str, Any], _: bytes) -> Reply:
+        """Return the data of the page, for one that is open."""
+        return {}, self._reasons.shown(**header["with"])
+
+
+def _prepare() -> None:
+    """Do once what every child would do first: what is imported and read by then is theirs too."""
+    reasons = Reasons()
+    reasons.load(b'{"deixis": 1, "id": "none", "objects": [], "views": []}', export=False)
+    reasons.tell(b'{"objects": [{"id": "a", "box": {"center": [0, 0, 0], "size": [1, 1, 1]}}]}', most=0)
+
 
 def main(descriptor: int) -> None:
     """Run as the first child."""
+    _prepare()
     work = Work()
     names = [name for name in vars(Work) if not name.startswith("_")]
     attend(Channel(socket.socket(fileno=descriptor)), {name: getattr(work, name) for name in names})

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import socket
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Final
 
@@ -19,10 +20,37 @@ from deixis.server.settings import Settings
 _BACKLOG: Final = 512
 
 
-def serve(scenes: Sequence[str], settings: Settings) -> None:
+class _Server(uvicorn.Server):
+    """A server that says when it listens, and does not wait for clients that follow a scene."""
+
+    def __init__(
+        self, config: uvicorn.Config, ready: Callable[[], object], hush: Callable[[], object]
+    ) -> None:
+        super().__init__(config)
+        self._ready, self._hush = ready, hush
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        if self.started:
+            self._ready()
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._hush()
+        await super().shutdown(sockets)
+
+
+def serve(scenes: Sequence[str], settings: Settings, ready: Callable[[], object] = lambda: None) -> None:
     """Serve scene files and maps, and return when the server is stopped.
 
     Of a map the scene as it was told last is served, and when each relation held, as it is known now.
+
+    Parameters
+    ----------
+    scenes : sequence of str
+        Files, or addresses of maps.
+    settings : Settings
+    ready : callable
+        Called as soon as clients may come.
 
     Raises
     ------
@@ -45,8 +73,9 @@ def serve(scenes: Sequence[str], settings: Settings) -> None:
             raise DeixisError(f"two of them hold a scene {scene.id!r}: rename one")
         texts[scene.id] = scene.to_json().encode()
     connection = bounded(settings.limits)
+    app = create_app(settings, texts, past)
     config = uvicorn.Config(
-        create_app(settings, texts, past),
+        app,
         host=settings.host,
         port=settings.port,
         access_log=False,
@@ -63,7 +92,7 @@ def serve(scenes: Sequence[str], settings: Settings) -> None:
         ws="none",
         lifespan="on",
     )
-    server = uvicorn.Server(config)
+    server = _Server(config, ready, app.state.hush)
     # Where it cannot start it would end the process with the code of a time-out.
     with suppress(SystemExit):
         server.run()

@@ -49,7 +49,17 @@ class Limits:
     queue : int
         Questions that may wait; more are told to come back (429).
     scenes_awake : int
-        Scenes whose reasons (``ask``, ``why``) are kept ready.
+        Scenes whose reasons (``ask``, ``why``) are kept ready, and as many that are kept ready for updates.
+    updates : int
+        Updates of scenes that may wait; more are told to come back (429).
+    streams : int
+        Clients that follow the changes of scenes at the same time; more are told to come back (429).
+    heartbeat : float
+        Seconds after which they are told that nothing happened.
+    event : int
+        Bytes of one event; what is larger is told as: reload.
+    kept : int
+        Bytes of events that are kept of each scene, for clients that were away or read slowly.
     """
 
     timeout: float = 10.0
@@ -70,6 +80,11 @@ class Limits:
     patience: float = 0.02
     queue: int = 256
     scenes_awake: int = 4
+    updates: int = 32
+    streams: int = 256
+    heartbeat: float = 15.0
+    event: int = 1 << 18
+    kept: int = 1 << 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +98,7 @@ class Settings:
     token : str or None
         What a client must show to change anything; without one nothing can be changed.
     writable : bool
-        Whether clients with the token may also write graphs of their own.
+        Whether clients with the token may also update scenes, and write graphs of their own.
     store : Path or None
         Where scenes and graphs are kept; without one they are gone with the server.
     hosts : tuple of str

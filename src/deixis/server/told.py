@@ -76,6 +76,17 @@ class RelationTold(BaseModel):
     margin: float | None
 
 
+class UpdateTold(BaseModel):
+    """What an update changed."""
+
+    event: str = Field(description="The id of the event that tells of it.")
+    stamp: float | None = Field(description="Of the update.")
+    gained: list[RelationTold] = Field(description="What holds now and did not.")
+    lost: list[RelationTold] = Field(description="What held and does not now, with the margin it had.")
+    count: int = Field(description="How many relations were gained or lost.")
+    truncated: bool = Field(description="Whether they are too many to be told one by one: none is then.")
+
+
 class WithheldTold(BaseModel):
     """A view that says nothing of the sides of a reference, and why."""
 

@@ -5,6 +5,8 @@
 """
 
 from deixis.view.content import Shown, page_data
-from deixis.view.html import available, framed, page_html, policy_of, ready
+from deixis.view.html import available, framed, packed, page_html, page_text, policy_of, ready
 
-__all__ = ["Shown", "available", "framed", "page_data", "page_html", "policy_of", "ready"]
+__all__ = [
+    "Shown", "available", "framed", "packed", "page_data", "page_html", "page_text", "policy_of", "ready"
+]  # fmt: skip

@@ -52,15 +52,29 @@ def page_html(title: str, now: Mapping[str, Any], later: Mapping[str, Any]) -> s
     MissingDependency
         The script of the page was not bundled.
     """
+    return page_text(title, packed(now), packed(later))
+
+
+def page_text(title: str, now: str, later: str, *, follows: bool = False) -> str:
+    """Return the page with its data, which are packed already; see :func:`page_html`.
+
+    Parameters
+    ----------
+    title : str
+    now, later : str
+        Of :func:`packed`.
+    follows : bool
+        Whether it may ask the server that it comes from for what changed, as ``event`` in the data bids it.
+    """
     script, style, licences = _parts()
     page = (_HERE / "view.html").read_text(encoding="utf-8")
     # Split first: what is put in is never looked at again.
     filled = {
         "title": html.escape(title),
-        "policy": html.escape(policy_of()),
+        "policy": html.escape(policy_of(follows=follows)),
         "style": style,
-        "now": packed(now),
-        "later": packed(later),
+        "now": now,
+        "later": later,
         "licences": html.escape(licences),
         "script": script,
     }
@@ -83,14 +97,16 @@ def framed(page: str, height: int = 680) -> str:
     )
 
 
-def policy_of() -> str:
+def policy_of(*, follows: bool = False) -> str:
     """Return the page's content security policy: its own script and style by their hashes, and nothing else.
 
-    Nothing can be loaded from anywhere, not even from where the page came from.
+    Nothing can be loaded from anywhere, not even from where the page came from; only a page that follows a
+    scene may ask that server for data.
     """
     script, style, _ = _parts()
+    asks = "connect-src 'self'; " if follows else ""
     return (
-        f"default-src 'none'; script-src {_hash(script)}; style-src {_hash(style)}; "
+        f"default-src 'none'; script-src {_hash(script)}; style-src {_hash(style)}; {asks}"
         "img-src data: blob:; base-uri 'none'; form-action 'none'"
     )
 

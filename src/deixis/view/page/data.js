@@ -1,10 +1,10 @@
 // The data of the page: JSON in its own elements, deflated where it is large, and what is found in it by name.
 
 /** Read a data element. */
-export async function read(id) {
-  const told = JSON.parse(document.getElementById(id).textContent);
-  return typeof told === "string" ? JSON.parse(await inflated(told)) : told;
-}
+export const read = (id) => unpacked(JSON.parse(document.getElementById(id).textContent));
+
+/** Return data as they are, or inflated where they were deflated. */
+export const unpacked = async (told) => (typeof told === "string" ? JSON.parse(await inflated(told)) : told);
 
 async function inflated(text) {
   const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));

@@ -18,6 +18,7 @@ const styles = (colours) => [
   { selector: "edge[?unsure]", style: { "line-style": "dashed", "line-dash-pattern": [5, 4] } },
   { selector: "node.figure", style: { "background-color": hex(colours.figure), width: 22, height: 22, "font-weight": "bold" } },
   { selector: "node.reference", style: { "background-color": hex(colours.reference), width: 22, height: 22, "font-weight": "bold" } },
+  { selector: "edge.fresh", style: { "underlay-color": hex(colours.view), "underlay-opacity": 0.35, "underlay-padding": 4 } },
   { selector: "edge.faint, node.faint", style: { opacity: 0.25 } },
   { selector: "edge.chosen", style: { width: 3.5, opacity: 1, label: "data(says)", "font-size": 10, color: colours.ink,
     "text-background-color": hex(colours.back), "text-background-opacity": 0.9, "text-rotation": "autorotate", "z-index": 9 } },
@@ -29,6 +30,7 @@ export class Graph {
   constructor(host, note, model, choose) {
     this.note = note;
     this.model = model;
+    this.fresh = new Set();
     this.cy = cytoscape({ container: host, minZoom: 0.1, maxZoom: 3, boxSelectionEnabled: false, autounselectify: true });
     this.cy.on("tap", "node", (event) => choose({ thing: event.target.data("index") }));
     this.cy.on("tap", "edge", (event) => choose({ relation: event.target.data("index") }));
@@ -39,8 +41,8 @@ export class Graph {
     this.cy.style(styles(colours));
   }
 
-  /** Draw these relations, as many as can be read. */
-  show(rows, thing) {
+  /** Draw these relations, as many as can be read; all of them in sight unless the graph is to stay where it is. */
+  show(rows, thing, still = false) {
     const drawn = rows.filter((one) => one.things.length >= 2).slice(0, MOST);
     const things = [...new Set(drawn.flatMap((one) => one.things.slice(0, 2)))];
     if (thing !== null && !things.includes(thing)) things.push(thing);
@@ -50,7 +52,7 @@ export class Graph {
       const { name, surface } = this.model.things[index];
       return { data: { id: `n${index}`, index, name, surface }, position: places.get(index) };
     });
-    const edges = drawn.map((one) => ({ data: {
+    const edges = drawn.map((one) => ({ classes: this.fresh.has(one.index) ? "fresh" : "", data: {
       id: `e${one.index}`, index: one.index, source: `n${one.things[0]}`, target: `n${one.things[1]}`,
       colour: relationColour(one.predicate), unsure: one.unsure, says: one.predicate.replaceAll("_", " "),
     } }));
@@ -58,7 +60,13 @@ export class Graph {
       this.cy.elements().remove();
       this.cy.add([...nodes, ...edges]);
     });
-    this.cy.fit(undefined, 24);
+    if (!still) this.cy.fit(undefined, 24);
+  }
+
+  /** Mark these relations as new; without any, none. */
+  mint(fresh) {
+    this.fresh = fresh;
+    if (fresh.size === 0) this.cy.edges().removeClass("fresh");
   }
 
   /** Mark what is selected. */

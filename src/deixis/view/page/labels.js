@@ -18,6 +18,14 @@ export class Labels {
     this.point = new Vector3();
   }
 
+  /** Take over another model: names may be others. */
+  take(model) {
+    this.model = model;
+    this.elements.clear();
+    this.layer.replaceChildren();
+    this.over = null;
+  }
+
   light(marks) {
     const roles = { figure: marks.figure, reference: marks.reference };
     this.roles = new Map(Object.entries(roles).filter(([, one]) => one !== null).map(([role, one]) => [one, role]));

@@ -32,14 +32,14 @@ export class List {
     this.choose(this.rows[Math.min(Math.max(to, 0), this.rows.length - 1)]);
   }
 
-  /** Show these rows, one of them selected. */
-  show(rows, selected) {
+  /** Show these rows, one of them selected, which is scrolled to unless the list is to stay where it is. */
+  show(rows, selected, still = false) {
     const moved = rows !== this.rows || rows[this.at] !== selected;
     if (rows !== this.rows) this.inner.replaceChildren();
     this.rows = rows;
     this.at = selected ? rows.indexOf(selected) : -1;
     this.inner.style.height = `${rows.length * TALL}px`;
-    if (moved && this.at >= 0) this.reveal();
+    if (moved && !still && this.at >= 0) this.reveal();
     this.draw();
   }
 

@@ -1,5 +1,7 @@
 // The page: reads its data, makes the parts, and lets each follow what is selected in the others.
 import { Reasons, metres, read, understood } from "./data.js";
+import { News, compared } from "./news.js";
+import { follow } from "./follow.js";
 import { element } from "./element.js";
 import * as evidence from "./evidence.js";
 import { Graph } from "./graph.js";
@@ -12,14 +14,14 @@ import { Tree } from "./tree.js";
 
 const at = (id) => document.getElementById(id);
 
-/** A row of the list. */
-function described(relation) {
+/** A row of the list; what holds only since a moment ago is marked. */
+function described(relation, fresh) {
   const swatch = element("span.swatch");
   swatch.style.borderTopColor = relationColour(relation.predicate);
   const more = element("span.more", {}, swatch, relation.predicate.replaceAll("_", " "));
   if (relation.margin !== null) more.append(element("span", {}, `${metres(relation.margin)} to spare`));
   if (relation.unsure) more.append(element("span.tag.unsure", {}, "uncertain"));
-  const row = element(relation.unsure ? "div.row.doubtful" : "div.row", { title: relation.text });
+  const row = element(`div.row${relation.unsure ? ".doubtful" : ""}${fresh ? ".fresh" : ""}`, { title: relation.text });
   row.append(element("span.says", {}, relation.text), more);
   return row;
 }
@@ -35,6 +37,13 @@ function pictureOf(model, pick) {
   return null;
 }
 
+/** Let a list offer these texts and values; it is left alone where it does already. */
+function offer(select, choices) {
+  const known = [...select.options].map((one) => [one.text, one.value]);
+  const wanted = choices.map(([text, value]) => [text, String(value)]);
+  if (JSON.stringify(known) !== JSON.stringify(wanted)) select.replaceChildren(...wanted.map((one) => new Option(...one)));
+}
+
 class Page {
   constructor(model) {
     this.model = model;
@@ -42,9 +51,14 @@ class Page {
     this.store = new Store();
     this.rows = [];
     this.picture = pictureOf(model, (thing) => this.select({ thing }));
-    this.list = new List(at("rows"), (relation) => this.select({ relation: relation.index }), described);
+    this.fresh = new Set();
+    this.list = new List(
+      at("rows"), (relation) => this.select({ relation: relation.index }), (one) => described(one, this.fresh.has(one.index)),
+    );
     this.tree = new Tree(at("tree"), (path) => this.store.set({ path }));
     this.graph = new Graph(at("canvas"), at("drawn"), model, (what) => this.select(what));
+    this.news = new News(at("news"), () => this.mint(new Set()));
+    this.fill();
     this.controls();
     this.store.watch((now, before) => this.follow(now, before));
   }
@@ -55,14 +69,21 @@ class Page {
     else this.store.set({ thing: what.thing, relation: null, path: "" });
   }
 
-  controls() {
-    const { model, store } = this;
+  /** Say what there is to choose from. */
+  fill() {
+    const { model } = this;
     at("title").textContent = model.scene;
-    at("view").append(...model.views.map((one) => new Option(one.name, one.index)));
-    if (model.views.length === 0) at("view").disabled = at("look").disabled = true;
+    const unsure = model.relations.filter((one) => one.unsure).length;
+    at("summary").textContent = `${model.things.length} things, ${model.relations.length} relations, ${unsure} of them uncertain (within ${metres(model.thresholds.pose_noise)})`;
+    offer(at("view"), model.views.map((one) => [one.name, one.index]));
+    at("view").disabled = at("look").disabled = model.views.length === 0;
     const things = [...model.things].sort((a, b) => a.name.localeCompare(b.name));
-    at("thing").append(...things.map((one) => new Option(one.name, one.index)));
-    at("only").append(...model.predicates.map((one) => new Option(one.replaceAll("_", " "), one)));
+    offer(at("thing"), [["all", ""], ...things.map((one) => [one.name, one.index])]);
+    offer(at("only"), [["every kind", ""], ...model.predicates.map((one) => [one.replaceAll("_", " "), one])]);
+  }
+
+  controls() {
+    const { store } = this;
     at("view").addEventListener("change", (event) => this.see(Number(event.target.value)));
     at("thing").addEventListener("change", ({ target }) => this.select({ thing: target.value === "" ? null : Number(target.value) }));
     at("only").addEventListener("change", (event) => store.set({ only: event.target.value }));
@@ -112,17 +133,17 @@ class Page {
     this.graph.paint(colours);
   }
 
-  /** Let every part follow the state. */
-  follow(now, before) {
+  /** Let every part follow the state; `still` leaves lists and graph where they are scrolled to. */
+  follow(now, before, still = false) {
     const changed = (...names) => before === null || names.some((name) => now[name] !== before[name]);
     if (changed("theme")) this.paint();
     if (changed("theme", "view")) this.picture?.stand(now.view);
     if (changed("thing", "view", "only", "search", "unsure")) {
       this.rows = listed(now, this.model);
       at("count").textContent = this.rows.length === this.model.relations.length ? `${this.rows.length}` : `${this.rows.length} of ${this.model.relations.length}`;
-      this.graph.show(this.rows, now.thing);
+      this.graph.show(this.rows, now.thing, still);
     }
-    this.list.show(this.rows, now.relation === null ? null : this.model.relations[now.relation]);
+    this.list.show(this.rows, now.relation === null ? null : this.model.relations[now.relation], still);
     const step = this.explain(now);
     const marks = marksOf(now, step, this.model, this.reasons);
     this.picture?.light(marks);
@@ -145,7 +166,7 @@ class Page {
     }
     const root = this.reasons.step(this.model.relations[now.relation].step);
     this.tree.show(root, now.path, this.reasons, now.all, this.model.thresholds.pose_noise);
-    const step = Tree.at(root, now.path, this.reasons, now.all);
+    const step = Tree.at(root, now.path, this.reasons, now.all) ?? root;
     at("evidence").replaceChildren(evidence.ofStep(step, this.model));
     return step;
   }
@@ -171,6 +192,30 @@ class Page {
     this.follow(this.store.now, null);
   }
 
+  /** Take over what holds now; what is selected and seen stays so as far as it is still there. */
+  take(model, reasons) {
+    const [before, known] = [this.model, this.reasons];
+    const kept = written(this.store.now, before, known);
+    const found = compared([before, known], [model, reasons], before.views[this.store.now.view]?.id);
+    [this.model, this.reasons, this.graph.model] = [model, reasons, model];
+    this.fill();
+    this.picture?.take(model);
+    this.mint(new Set(found.gained.map((one) => one.index)));
+    const now = restored(kept, model, reasons);
+    if (now.path && Tree.at(reasons.step(model.relations[now.relation].step), now.path, reasons, now.all) === null) now.path = "";
+    this.store.now = now;
+    this.follow(now, null, true);
+    this.news.tell(found);
+    document.documentElement.dataset.event = model.event;
+  }
+
+  /** Mark relations as new. */
+  mint(fresh) {
+    this.fresh = fresh;
+    this.graph.mint(fresh);
+    if (fresh.size === 0) for (const row of document.querySelectorAll(".row.fresh")) row.classList.remove("fresh");
+  }
+
   /** Take in what came later: explanations and shapes. */
   know(reasons) {
     this.reasons = reasons;
@@ -181,14 +226,17 @@ class Page {
 
 async function start() {
   const model = understood(await read("now"));
-  const unsure = model.relations.filter((one) => one.unsure).length;
-  at("summary").textContent = `${model.things.length} things, ${model.relations.length} relations, ${unsure} of them uncertain (within ${metres(model.thresholds.pose_noise)})`;
   const page = new Page(model);
   page.follow(page.store.now, null);
   page.picture?.fit();
   page.picture?.overview();
   page.know(new Reasons(await read("later")));
   document.documentElement.dataset.ready = "yes";
+  // Only what a server sent follows a scene; a file asks for nothing.
+  if (model.event && location.protocol.startsWith("http")) {
+    document.documentElement.dataset.event = model.event;
+    follow(model.event, (now, later) => page.take(understood(now), new Reasons(later)), at("live"));
+  }
 }
 
 start();

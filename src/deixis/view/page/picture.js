@@ -64,10 +64,19 @@ export class Picture {
     });
   }
 
+  /** Take over another model; what is seen of it is built next, and looked at from where one looks now. */
+  take(model) {
+    this.model = model;
+    this.labels.take(model);
+  }
+
   /** Build what is there whatever is selected; the shapes of things may be known later. */
   build(colours, told) {
-    if (this.shapes.told !== told) this.shapes = new Shapes(told);
     freed(this.fixed);
+    if (this.shapes.told !== told) {
+      this.shapes.free();
+      this.shapes = new Shapes(told);
+    }
     this.fixed.clear();
     this.world.background = new Color(colours.back);
     const sun = new DirectionalLight(0xffffff, 1.6);

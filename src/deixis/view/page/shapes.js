@@ -17,7 +17,10 @@ function kept(geometry) {
 
 /** Free what a group was drawn with, but for what is kept. */
 export function freed(group) {
-  group.traverse((one) => { if (one.geometry && !one.geometry.userData.kept) one.geometry.dispose(); });
+  group.traverse((one) => {
+    if (one.geometry && !one.geometry.userData.kept) one.geometry.dispose();
+    if (one.isInstancedMesh) one.dispose();
+  });
 }
 
 /** The shape of a thing as geometry, made once; null for a thing that is drawn as its box. */
@@ -30,6 +33,12 @@ export class Shapes {
   of(thing) {
     if (!this.made.has(thing.index)) this.made.set(thing.index, this.make(this.told?.[thing.index] ?? null));
     return this.made.get(thing.index);
+  }
+
+  /** Free all that was made. */
+  free() {
+    for (const geometry of this.made.values()) geometry?.dispose();
+    this.made.clear();
   }
 
   make(shape) {

@@ -2,6 +2,9 @@
 import { metres } from "./data.js";
 import { element } from "./element.js";
 
+/** What a step says, whatever it rests on. */
+const named = (step) => JSON.stringify([step.predicate, step.args]);
+
 export class Tree {
   constructor(host, choose) {
     this.host = host;
@@ -18,18 +21,27 @@ export class Tree {
 
   /** Show the proof of a relation; `path` tells which step is selected, as 0.2 for the third below the first. */
   show(root, path, reasons, all, noise) {
+    let focused = false;
     if (this.root !== root || this.all !== all) {
+      // The same conclusion drawn anew: what was folded stays so, and who was there is there again.
+      const again = Boolean(this.root) && this.all === all && named(this.root) === named(root);
+      const folded = again ? [...this.host.querySelectorAll('[aria-expanded="false"]')].map((one) => one.dataset.path) : [];
+      const scrolled = again ? this.host.scrollTop : 0;
+      focused = again && this.host.contains(document.activeElement);
       this.root = root;
       this.all = all;
       this.reasons = reasons;
       this.noise = noise;
       this.closed.clear();
       this.host.replaceChildren(this.item(root, "", 1));
+      for (const item of this.host.querySelectorAll("[aria-expanded]")) if (folded.includes(item.dataset.path)) this.toggle(item, false);
+      this.host.scrollTop = scrolled;
     }
     for (const item of this.host.querySelectorAll("[role=treeitem]")) {
       const selected = item.dataset.path === path;
       item.setAttribute("aria-selected", String(selected));
       item.tabIndex = selected ? 0 : -1;
+      if (selected && focused) item.focus({ preventScroll: true });
     }
   }
 
@@ -38,12 +50,12 @@ export class Tree {
     this.host.replaceChildren(element("p.empty", {}, text));
   }
 
-  /** The step at a path, or the first where there is none. */
+  /** The step at a path; null where there is none. */
   static at(root, path, reasons, all) {
     let step = root;
     for (const number of path ? path.split(".") : []) {
       step = reasons.below(step, all)[Number(number)];
-      if (!step) return root;
+      if (!step) return null;
     }
     return step;
   }
