@@ -13,6 +13,7 @@ import numpy as np
 from rosbags import rosbag1, rosbag2
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from scipy.spatial.transform import Rotation
 
 from deixis.logs.definitions import VERSIONS, store
 
@@ -210,3 +211,50 @@ def forget_definitions(bag: Path) -> None:
         database.execute("DROP TABLE message_definitions")
         database.execute("ALTER TABLE topics DROP COLUMN type_description_hash")
     database.close()
+
+
+def kitchen(path: Path, storage: str = "sqlite3", version: str = "4") -> Path:
+    """Write the bag that is told of in the README.
+
+    For 12 seconds, once a second, a robot's camera finds a table with a book on it and a cup. The cup is in the
+    air; after 5 s someone has put it on the table, beside the book. The robot stands in front, at y = -2.5 m;
+    from 6 s on it drives round the table until it is behind it. From 10 s on nobody sees the book.
+    """
+    # Optical frames have Z ahead and Y down.
+    mounted = np.array([0.2, 0.0, 0.5]), Rotation.from_quat([-0.5, 0.5, -0.5, 0.5])
+    with Written(path, storage, version) as bag:
+        bag.tf(START, "base_link", "camera", mounted[0], mounted[1].as_quat(), static=True)
+        bag.tf(START, "map", "odom", (1.0, 0.0, 0.0), static=True)
+        for at in range(13):
+            stamp = START + at * SECOND
+            # A little before and a little after, so that the pose at the stamp is between two.
+            for shift in (-0.1, 0.1):
+                place, turn = _driven(at + shift)
+                told = stamp + round(shift * SECOND)
+                bag.tf(told, "odom", "base_link", place - [1.0, 0.0, 0.0], turn.as_quat(), recorded=stamp)
+            (place, turn), (before, _), (after, _) = (_driven(at + shift) for shift in (0.0, -0.1, 0.1))
+            camera = 0.5 * (before + after) + turn.apply(mounted[0]), turn * mounted[1]
+            height = 0.85 if at >= 5 else 1.25
+            seen = [
+                ("table", (0.0, 0.0, 0.4), (1.6, 0.8, 0.8)),
+                ("cup", (0.2, 0.1, height), (0.1, 0.1, 0.1)),
+                ("book", (0.4, 0.1, 0.825), (0.2, 0.3, 0.05)),
+            ]
+            found = [_seen_from(*camera, *one) for one in seen[: 3 if at < 10 else 2]]
+            bag.detections(stamp, found, "camera", recorded=stamp + SECOND // 20)
+    return path
+
+
+def _driven(at: float) -> tuple[Any, Rotation]:
+    """Return where the robot of the kitchen is after so many seconds; it looks at the table."""
+    angle = np.radians(30.0 * max(at - 6.0, 0.0) - 90.0)
+    place = np.array([2.5 * np.cos(angle), 2.5 * np.sin(angle), 0.0])
+    return place, Rotation.from_euler("z", angle + np.pi)
+
+
+def _seen_from(
+    eye: Any, turn: Rotation, label: str, center: Sequence[float], size: Sequence[float]
+) -> Box:
+    """Return a box that is level in the map as a camera finds it."""
+    back = turn.inv()
+    return Box(label, back.apply(np.array(center) - eye).tolist(), size, back.as_quat().tolist())

@@ -94,7 +94,7 @@ class Log:
     Attributes
     ----------
     start : Scene
-        Before the first moment.
+        Before the first moment: empty, with the thresholds that count.
     report : Report
         What was read and left out so far.
     """
@@ -108,8 +108,8 @@ class Log:
         self._known = Transforms(int(hold) if math.isfinite(hold) else 2**63)
         self._poses = pose_topic(bag, choices.robot)
         around = choices.around
-        self.start = Scene("log") if around is None else around
-        self._fixed = {one.id for one in self.start.objects}
+        self.start = Scene("log") if around is None else Scene("log", thresholds=around.thresholds)
+        self._fixed = set() if around is None else {one.id for one in around.objects}
         self._tracks = Tracks(choices.forget * 1.0e9, choices.tracking, self.start.thresholds, self._fixed)
         self._placing = Placing(self._known, self.frame, choices.level, self.report)
         self._there: dict[str, SpatialObject] = {}
@@ -220,10 +220,14 @@ class Log:
                 self._there[name] = thing
         for name in seen.gone:
             del self._there[name]
+        around = self._choices.around if self.report.frames == 0 else None
         view = self._view(shown.stamp)
         before_view, self._looks = self._looks, view
         views = () if view is None or _same_pose(before_view, view) else (view,)
         left = (ROBOT,) if view is None and before_view is not None else ()
+        if around is not None:
+            objects = [*around.objects, *objects]
+            views = (*around.views, *views)
         return Update(tuple(objects), seen.gone, views, left, shown.stamp / 1.0e9)
 
     def _sightings(self, shown: Detected) -> list[Sighting]:
