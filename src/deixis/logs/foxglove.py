@@ -14,18 +14,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Final, Self
 
-import numpy as np
-
 from deixis.errors import MissingDependency, SceneError
-from deixis.logs.drawing import arrows, shape
 from deixis.logs.telling import Teller
 from deixis.logs.transforms import seconds
 from deixis.relations import Relation
-from deixis.scene import Scene, SpatialObject
+from deixis.scene import Scene
 from deixis.strict_json import quoted
 
 if TYPE_CHECKING:
-    from foxglove.messages import SceneEntity, Timestamp
+    from foxglove.messages import SceneEntity
 
 THINGS: Final = "/deixis/things"
 RELATIONS: Final = "/deixis/relations"
@@ -62,12 +59,14 @@ class FoxgloveFile:
         try:
             import foxglove
             from foxglove import channels
+
+            from deixis.logs import drawing
         except ImportError as cause:
             raise MissingDependency(
                 f"MCAP is written with foxglove-sdk, which cannot be imported ({cause}): "
                 "pip install 'deixis[ros]'"
             ) from cause
-        self._channels = channels
+        self._channels, self._drawing = channels, drawing
         self._place = Path(path).resolve()
         self._draft = self._place.with_name(f".{self._place.name}.{os.getpid()}.part")
         self._frame = frame
@@ -116,93 +115,27 @@ class FoxgloveFile:
         say : callable, optional
             Returns the sentence of a relation; by default plain ones without reasons.
         """
-        from foxglove.messages import Timestamp
-
         if not 0 <= stamp < _LATEST:
             raise SceneError(f"the stamp {seconds(stamp)} is not between 1970 and 2106: MCAP cannot hold it")
-        time = Timestamp(stamp // 10**9, stamp % 10**9)
-        self._send(THINGS, stamp, time, {one.id: self._thing(one, time) for one in scene.objects})
-        say = say or Teller(scene)
+        drawer = self._drawing.Drawer(scene, self._frame, stamp)
         topics: dict[str, dict[str, SceneEntity]] = {
-            topic: {} for topic, shown in self._shown.items() if shown and topic != THINGS
+            topic: {} for topic, names in self._shown.items() if names
         }
-        there = {thing.id for thing in scene.objects}
-        found = [one for one in relations if one.figure in there and one.reference in there]
-        for one, arrow in zip(found, arrows(scene, found), strict=True):
-            topics.setdefault(f"{RELATIONS}/{one.relation}", {})[_name(one)] = self._arrow(
-                one, arrow, say(one), time
-            )
+        topics[THINGS] = drawer.things()
+        for name, entities in drawer.relations(list(relations), say or Teller(scene)).items():
+            topics[f"{RELATIONS}/{name}"] = entities
         for topic, entities in topics.items():
-            self._send(topic, stamp, time, entities)
-        self._look(stamp, time, scene)
-
-    def _thing(self, thing: SpatialObject, time: Timestamp) -> SceneEntity:
-        from foxglove.messages import SceneEntity
-
-        told = {"id": thing.id, "kind": thing.kind}
-        for number, label in enumerate(thing.labels, 1):
-            told[f"label {number}"] = f"{label.name} ({label.score:g})"
-        return SceneEntity(
-            timestamp=time,
-            frame_id=self._frame,
-            id=thing.id,
-            metadata=_pairs(told),
-            **shape(thing),
-        )
-
-    def _arrow(self, one: Relation, arrow: Any, sentence: str, time: Timestamp) -> SceneEntity:
-        from foxglove.messages import SceneEntity
-
-        told = {"sentence": sentence, "relation": one.relation, "figure": one.figure}
-        told["reference"] = one.reference
-        if one.view is not None:
-            told["view"] = one.view
-        if one.margin is not None:
-            told["margin_m"] = repr(one.margin)
-        return SceneEntity(
-            timestamp=time, frame_id=self._frame, id=_name(one), metadata=_pairs(told), arrows=[arrow]
-        )
-
-    def _send(self, topic: str, stamp: int, time: Timestamp, entities: dict[str, SceneEntity]) -> None:
-        from foxglove.messages import SceneEntityDeletion, SceneUpdate
-
-        gone = sorted(self._shown.get(topic, set()) - entities.keys())
-        update = SceneUpdate(
-            deletions=[SceneEntityDeletion(timestamp=time, id=name) for name in gone],
-            entities=list(entities.values()),
-        )
-        self._channel(topic, self._channels.SceneUpdateChannel).log(update, log_time=stamp)
-        self._shown[topic] = set(entities)
-        self.entities += len(entities)
-
-    def _look(self, stamp: int, time: Timestamp, scene: Scene) -> None:
-        from foxglove.messages import Pose, PoseInFrame, Quaternion, Vector3
-
+            gone = sorted(self._shown.get(topic, set()) - entities.keys())
+            self._log(topic, self._channels.SceneUpdateChannel, drawer.update(entities, gone), stamp)
+            self._shown[topic] = set(entities)
+            self.entities += len(entities)
         for view in scene.views:
-            x, y, z = view.position.tolist()
-            half = 0.5 * view.heading
-            pose = Pose(
-                position=Vector3(x=x, y=y, z=z),
-                orientation=Quaternion(x=0.0, y=0.0, z=float(np.sin(half)), w=float(np.cos(half))),
-            )
             # A topic is a path: what else an id may have is written as a line.
             topic = f"{VIEWS}/{re.sub('[^A-Za-z0-9_]', '_', view.id)}"
-            told = PoseInFrame(timestamp=time, frame_id=self._frame, pose=pose)
-            self._channel(topic, self._channels.PoseInFrameChannel).log(told, log_time=stamp)
+            self._log(topic, self._channels.PoseInFrameChannel, drawer.pose(view), stamp)
 
-    def _channel(self, topic: str, kind: Callable[..., Any]) -> Any:
-        self.messages += 1
+    def _log(self, topic: str, kind: Callable[..., Any], message: object, stamp: int) -> None:
         if topic not in self._topics:
             self._topics[topic] = kind(topic, context=self._context)
-        return self._topics[topic]
-
-
-def _name(one: Relation) -> str:
-    """Return what the arrow of a relation is called, each its own."""
-    return "|".join([one.relation, one.figure, one.reference, *([] if one.view is None else [one.view])])
-
-
-def _pairs(told: dict[str, str]) -> list[Any]:
-    from foxglove.messages import KeyValuePair
-
-    return [KeyValuePair(key=key, value=value) for key, value in told.items()]
+        self._topics[topic].log(message, log_time=stamp)
+        self.messages += 1
