@@ -127,6 +127,26 @@ def bag(
         raise typer.Exit(1)
 
 
+def export_mcap(kb: KnowledgeBase, target: Path, *, proofs: bool, view: str | None) -> str:
+    """Write a scene for Foxglove as one moment, that of its latest view; return what was written."""
+    from deixis.frames import WORLD
+    from deixis.logs.foxglove import FoxgloveFile
+    from deixis.logs.telling import Teller
+
+    found = kb.relations(view=view)
+    plain, reasons = Teller(kb.scene), kb.proofs() if proofs else {}
+
+    def say(one: Relation) -> str:
+        ends = (one.figure, one.reference) if one.view is None else (one.figure, one.reference, one.view)
+        proof = reasons.get((one.relation, *ends))
+        return plain(one) if proof is None else proof.sentence()
+
+    stamp = max((one.stamp for one in kb.scene.views if one.stamp is not None), default=0.0)
+    with FoxgloveFile(target, WORLD) as drawn:
+        drawn.write(round(stamp * 1.0e9), kb.scene, found, say)
+    return f"{drawn.entities} entities"
+
+
 class _Shown:
     """Prints changes as they come, or intervals as they end."""
 
