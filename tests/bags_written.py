@@ -130,13 +130,16 @@ class Written:
         self.write("/tf_static" if static else "/tf", kind, value, stamp if recorded is None else recorded)
 
     def pose(
-        self, stamp: int, topic: str, frame: str, position: Sequence[float], quaternion: Sequence[float] = UPRIGHT
+        self,
+        stamp: int,
+        topic: str,
+        frame: str,
+        position: Sequence[float],
+        quaternion: Sequence[float] = UPRIGHT,
     ) -> None:
         """Write a PoseStamped."""
         kind = "geometry_msgs/msg/PoseStamped"
-        value = self._make(
-            kind, header=self._header(stamp, frame), pose=self._pose(position, quaternion)
-        )
+        value = self._make(kind, header=self._header(stamp, frame), pose=self._pose(position, quaternion))
         self.write(topic, kind, value, stamp)
 
     def write(self, topic: str, kind: str, value: Any, recorded: int) -> None:
@@ -216,9 +219,9 @@ def forget_definitions(bag: Path) -> None:
 def kitchen(path: Path, storage: str = "sqlite3", version: str = "4") -> Path:
     """Write the bag that is told of in the README.
 
-    For 12 seconds, once a second, a robot's camera finds a table with a book on it and a cup. The cup is in the
-    air; after 5 s someone has put it on the table, beside the book. The robot stands in front, at y = -2.5 m;
-    from 6 s on it drives round the table until it is behind it. From 10 s on nobody sees the book.
+    For 12 seconds, once a second, a robot's camera finds a table with a book on it and a cup. The cup is in
+    the air; after 5 s someone has put it on the table, beside the book. The robot stands in front, at
+    y = -2.5 m; from 6 s on it drives round the table until it is behind it. From 10 s on nobody sees the book.
     """
     # Optical frames have Z ahead and Y down.
     mounted = np.array([0.2, 0.0, 0.5]), Rotation.from_quat([-0.5, 0.5, -0.5, 0.5])
@@ -252,9 +255,7 @@ def _driven(at: float) -> tuple[Any, Rotation]:
     return place, Rotation.from_euler("z", angle + np.pi)
 
 
-def _seen_from(
-    eye: Any, turn: Rotation, label: str, center: Sequence[float], size: Sequence[float]
-) -> Box:
+def _seen_from(eye: Any, turn: Rotation, label: str, center: Sequence[float], size: Sequence[float]) -> Box:
     """Return a box that is level in the map as a camera finds it."""
     back = turn.inv()
     return Box(label, back.apply(np.array(center) - eye).tolist(), size, back.as_quat().tolist())

@@ -291,7 +291,7 @@ def export(
     proofs: Annotated[bool, typer.Option(help="By which steps each relation was derived.")] = True,
     rules: RuleFiles = None,
 ) -> None:
-    """Write a scene with all that follows from it, in the format of the file's ending: RDF, or for Foxglove."""
+    """Write a scene with all that follows from it as RDF, or for Foxglove, by the ending of the file."""
     from deixis.rdf.export import save
 
     with open_scene(scene, region, rules) as kb:

@@ -130,7 +130,7 @@ class Bag:
                 row = next(rows, None)
                 if row is None:
                     return
-                connection, recorded, raw = row
+                connection, recorded, raw = row[0], int(row[1]), row[2]
                 decoder = self._decoder(connection)
                 value = decoder(raw)
             self._read, self._last = self._read + 1, recorded
@@ -159,7 +159,8 @@ def _guarded(told: Callable[[], str]) -> Iterator[None]:
     except DeixisError:
         raise
     except Exception as cause:
-        reason = " ".join(str(cause).split()) or type(cause).__name__
+        told_by = cause.args[0] if len(cause.args) == 1 else cause
+        reason = " ".join(str(told_by).strip("(),'").split()) or type(cause).__name__
         raise ReaderError(
             f"{told()}: {reason[:200]}: `ros2 bag reindex` or `mcap recover` may help"
         ) from cause
