@@ -221,7 +221,7 @@ def kitchen(path: Path, storage: str = "sqlite3", version: str = "4") -> Path:
 
     For 12 seconds, once a second, a robot's camera finds a table with a book on it and a cup. The cup is in
     the air; after 5 s someone has put it on the table, beside the book. The robot stands in front, at
-    y = -2.5 m; from 6 s on it drives round the table until it is behind it. From 10 s on nobody sees the book.
+    y = -2.5 m; from 6 s on it drives round the table until it is behind. From 10 s on nobody sees the book.
     """
     # Optical frames have Z ahead and Y down.
     mounted = np.array([0.2, 0.0, 0.5]), Rotation.from_quat([-0.5, 0.5, -0.5, 0.5])

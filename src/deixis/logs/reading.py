@@ -152,18 +152,24 @@ class Log:
         waiting: list[tuple[int, int, int, Detected]] = []
         number, latest = count(), -math.inf
         topics = [self.topic, tf, *([self._poses] if self._poses else [])]
-        for message in self._bag.messages(topics, (*BOXES, *TREES, *POSES)):
-            if message.topic == tf:
-                self._tell(message, static=False)
-            elif message.topic == self._poses:
-                self._tell_pose(message)
-            else:
-                shown = detected(message, self.report, self._choices.names)
-                heapq.heappush(waiting, (shown.stamp, next(number), message.recorded, shown))
-            while waiting and message.recorded - waiting[0][2] >= WAIT:
-                latest = yield from self._next(waiting, latest)
+        damage: ReaderError | None = None
+        try:
+            for message in self._bag.messages(topics, (*BOXES, *TREES, *POSES)):
+                if message.topic == tf:
+                    self._tell(message, static=False)
+                elif message.topic == self._poses:
+                    self._tell_pose(message)
+                else:
+                    shown = detected(message, self.report, self._choices.names)
+                    heapq.heappush(waiting, (shown.stamp, next(number), message.recorded, shown))
+                while waiting and message.recorded - waiting[0][2] >= WAIT:
+                    latest = yield from self._next(waiting, latest)
+        except ReaderError as cause:
+            damage = cause  # what was read until then is shown first
         while waiting:
             latest = yield from self._next(waiting, latest)
+        if damage is not None:
+            raise damage
 
     def _next(
         self, waiting: list[tuple[int, int, int, Detected]], latest: float
