@@ -16,9 +16,10 @@ from urllib.parse import quote
 import pytest
 
 import deixis.cli.words  # noqa: F401 - adds its commands
+from bags_written import kitchen
 from commands import run
 from deixis import Scene
-from deixis.cli import live, maps, questions, view, words  # noqa: F401 - they add their commands
+from deixis.cli import bags, live, maps, questions, view, words  # noqa: F401 - they add their commands
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from endpoint import serving
@@ -88,6 +89,12 @@ def test_the_map_tells_what_the_readme_shows(root: Path, tmp_path: Path) -> None
     results = [run(*shlex.split(line)[1:], cwd=tmp_path) for line in block["text"].splitlines()]
     assert {result.code for result in results} == {0}
     check(shown_after(block), "".join(result.out for result in results).expandtabs())
+
+
+def test_a_recording_tells_what_the_readme_shows(tmp_path: Path) -> None:
+    (block,) = (one for one in blocks("bash") if one["text"].startswith("deixis bag"))
+    kitchen(tmp_path / "kitchen")
+    check(shown_after(block), run(*shlex.split(block["text"])[1:], cwd=tmp_path).out)
 
 
 def test_postgis_measures_what_the_readme_shows(root: Path) -> None:
