@@ -159,6 +159,37 @@ def test_poses_of_a_topic_say_where_the_robot_is(tmp_path: Path) -> None:
         read_bag(tmp_path / "bag", robot="/detections")
 
 
+def test_other_messages_that_tell_poses_and_boxes(tmp_path: Path) -> None:
+    with Written(tmp_path / "bag") as bag:
+        pose = bag._make(
+            "geometry_msgs/msg/PoseWithCovariance",
+            pose=bag._pose((3, 0, 0), (0, 0, 0, 1)),
+            covariance=np.zeros(36),
+        )
+        kind = "geometry_msgs/msg/PoseWithCovarianceStamped"
+        bag.write("/amcl", kind, bag._make(kind, header=bag._header(START, "map"), pose=pose), START)
+        still = bag._make(
+            "geometry_msgs/msg/Twist",
+            linear=bag._xyz("Vector3", (0, 0, 0)),
+            angular=bag._xyz("Vector3", (0, 0, 0)),
+        )
+        twist = bag._make("geometry_msgs/msg/TwistWithCovariance", twist=still, covariance=np.zeros(36))
+        kind = "nav_msgs/msg/Odometry"
+        odometry = bag._make(
+            kind, header=bag._header(START, "map"), child_frame_id="base", pose=pose, twist=twist
+        )
+        bag.write("/odom", kind, odometry, START)
+        one = Box("cup", (1, 0, 0), (1, 1, 1), frame="map", stamp=START)
+        bag.write("/one", "vision_msgs/msg/Detection3D", bag._detection(one), START)
+    for topic in ("/amcl", "/odom"):
+        with read_bag(tmp_path / "bag", robot=topic) as log:
+            ((stamp, scene),) = list(log)
+            with pytest.raises(ReaderError, match="was read already: open it anew"):
+                list(log)
+        assert (stamp, scene.views[0].position.tolist()) == (START, [3.0, 0.0, 0.0])
+        assert scene.objects[0].region.center.tolist() == [1.0, 0.0, 0.0]
+
+
 # What tf knows, and what it does not.
 
 
@@ -317,6 +348,7 @@ def test_what_is_no_box_is_left_out_with_the_reason(tmp_path: Path) -> None:
         Box("cup", (nan, 0, 0), (1, 1, 1)),
         Box("cup", (0, 0, 0), (1, -1, 1)),
         Box("cup", (1e300, 0, 0), (1, 1, 1)),
+        Box("cup", (9e6, 0, 0), (9e6, 1, 1), (0.6, 0, 0, 0.8)),
         Box("cup", (0, 0, 0), (1, 1, 1), (0, 0, 0, 3)),
         Box("cup", (0, 0, 0), (1, 1, 1), stamp=-5),
         Box("cup", (0, 0, 0), (1, 1, 1), (0, 0, 0, 0), track="zero"),
@@ -335,6 +367,7 @@ def test_what_is_no_box_is_left_out_with_the_reason(tmp_path: Path) -> None:
         "a number is not finite": 1,
         "a size is negative": 1,
         "a number is beyond 1e+07 m": 1,
+        "it is beyond 1e+07 m in 'map'": 1,
         "a quaternion is not of length one": 1,
         "its stamp is before 1970": 1,
     }

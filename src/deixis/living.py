@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -27,6 +27,9 @@ Known = tuple[Indicator, Row]
 """A predicate and its arguments."""
 
 Labels = Sequence[tuple[str, str]]
+
+_MANY: Final = 2
+"""With one in so many things changed, drawing all conclusions anew costs no more than finding which."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +99,9 @@ class Living:
         before: dict[Known, float] = {}
         after: dict[Known, float] = {}
         whole = [*(self._far if changed or looked else ())]
-        if looked:
+        if _MANY * len(changed) >= len(facts.ids):
+            whole += self._near
+        elif looked:
             whole += [one for one in self._near if one in self._viewed]
         if whole:
             before |= {one: margin for one, margin in self.holds.items() if one[0] in whole}

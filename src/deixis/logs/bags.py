@@ -213,18 +213,14 @@ class _Decoder:
 def _defined(connection: Connection) -> Typestore:
     """Return the types that a bag defines for a topic."""
     from rosbags.interfaces import MessageDefinitionFormat
-    from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-    text = connection.msgdef.data
+    if connection.msgdef.format is not MessageDefinitionFormat.MSG:
+        raise ReaderError(
+            f"topic {quoted(connection.topic)}: the bag defines {quoted(connection.msgtype)} in IDL, "
+            "which is not read: record it where the package has .msg files"
+        )
     made = get_typestore(Stores.EMPTY)
     made.max_sequence_length = _MOST
-    if connection.msgdef.format is MessageDefinitionFormat.MSG:
-        made.register(get_types_from_msg(text, connection.msgtype))
-        return made
-    border = "=" * 80 + "\n"
-    parts = [part.split("\n", 1)[1] for part in text.split(border)[1:]] or [text]
-    types: dict[str, Any] = {}
-    for part in parts:
-        types.update(get_types_from_idl(part))
-    made.register(types)
+    made.register(get_types_from_msg(connection.msgdef.data, connection.msgtype))
     return made

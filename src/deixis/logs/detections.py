@@ -81,7 +81,7 @@ def detected(message: Message, report: Report, names: Mapping[str, str]) -> Dete
     """
     kinds = _kinds(message)
     value = message.value
-    parts = value.detections if DETECTIONS in message.value.__msgtype__ else [value]
+    parts = value.detections if value.__msgtype__ == DETECTIONS else [value]
     stamp = stamp_of(value.header)
     if stamp == 0:
         stamp = message.recorded

@@ -88,7 +88,8 @@ class Placing:
             return
         centers = pose.position + pose.turn.apply([found[at].center for at in group])
         matrices = (pose.turn * Rotation.from_quat(turns[list(group)])).as_matrix()
-        far = np.abs(centers).max(axis=1) > MAX_COORDINATE
+        reach = 0.5 * np.linalg.norm([found[at].size for at in group], axis=1)
+        far = np.abs(centers).max(axis=1) + reach > MAX_COORDINATE
         for at, center, matrix, beyond in zip(group, centers, matrices, far.tolist(), strict=True):
             if beyond:
                 self._report.skip(

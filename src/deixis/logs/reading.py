@@ -114,6 +114,7 @@ class Log:
         self._placing = Placing(self._known, self.frame, choices.level, self.report)
         self._there: dict[str, SpatialObject] = {}
         self._looks: View | None = None
+        self._begun = False
 
     def __enter__(self) -> Self:
         return self
@@ -135,8 +136,12 @@ class Log:
         Raises
         ------
         ReaderError
-            The bag is damaged; the message says how much of it was read.
+            The bag is damaged, what was read of it being yielded before; the message says how much that was.
+            Or it was read already.
         """
+        if self._begun:
+            raise ReaderError(f"{self._bag.name} was read already: open it anew")
+        self._begun = True
         for shown in self._in_order():
             update = self._update(shown)
             self.report.frames += 1
