@@ -232,7 +232,7 @@ def test_loops_and_changed_parents_are_said() -> None:
     assert known.pose("c", "map", 5) == Unknown(
         "a frame changes its parent", "'c' goes from 'map' to 'hand' between 0.000000000 and 0.000000010"
     )
-    for bad in ((0, 0, 0, 0), (0, 0, 0, 2), (math.nan, 0, 0, 1)):
+    for bad in ((0, 0, 0, 0), (0, 0, 0, 2), (math.nan, 0, 0, 1), (0, 1e200, 0, 1)):
         assert not known.tell("d", "map", 0, (0, 0, 0), bad)
     assert not known.tell("d", "map", 0, (math.inf, 0, 0), (0, 0, 0, 1))
     assert not known.tell("d", "d", 0, (0, 0, 0), (0, 0, 0, 1))

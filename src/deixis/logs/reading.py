@@ -24,6 +24,7 @@ from deixis.logs.transforms import Transforms, Unknown, frame_name, seconds
 from deixis.regions import BoxRegion, Kind, MeshRegion, region_box
 from deixis.scene import Scene, SpatialObject, View
 from deixis.strict_json import quoted
+from deixis.thresholds import MAX_COORDINATE
 from deixis.updates import Update
 
 WAIT: Final = 5 * 10**9
@@ -278,6 +279,9 @@ class Log:
         pose = self._known.pose(self._poses or frame_name(robot), self.frame, stamp)
         if isinstance(pose, Unknown):
             self.report.skip(f"the robot is not placed: {pose.reason}", pose.detail)
+            return None
+        if np.abs(pose.position).max() > MAX_COORDINATE:
+            self.report.skip(f"the robot is beyond {MAX_COORDINATE:g} m", f"at {seconds(stamp)}")
             return None
         ahead = pose.turn.apply([1.0, 0.0, 0.0])
         return View(ROBOT, ROBOT, pose.position, float(np.arctan2(ahead[1], ahead[0])), stamp / 1.0e9)

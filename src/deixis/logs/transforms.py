@@ -16,6 +16,7 @@ import numpy as np
 
 from deixis.frames import Array
 from deixis.strict_json import quoted
+from deixis.thresholds import MAX_COORDINATE
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
@@ -76,7 +77,8 @@ def unit(quaternion: Sequence[float]) -> Array | None:
     ([0.0, 0.0, 0.0, 1.0], None)
     """
     given = np.array(quaternion, dtype=np.float64)
-    length = float(np.sqrt(given @ given)) if np.isfinite(given).all() else 0.0
+    # No number, and none so large that its square is none, is at most two.
+    length = float(np.sqrt(given @ given)) if (np.abs(given) <= 2.0).all() else 0.0
     return given / length if abs(length - 1.0) <= UNIT_WITHIN else None
 
 
@@ -151,7 +153,9 @@ class Transforms:
         static : bool
         """
         turn, place = unit(quaternion), np.array(position, dtype=np.float64)
-        if turn is None or not np.isfinite(place).all() or child == parent or not child or not parent:
+        if turn is None or not (np.abs(place) <= MAX_COORDINATE).all():
+            return False
+        if child == parent or not child or not parent:
             return False
         if static:
             self._static[child] = parent, place, turn
