@@ -19,9 +19,10 @@ import pyoxigraph as ox
 import pytest
 
 import deixis.cli.words  # noqa: F401 - adds its commands
+from bags_written import kitchen
 from commands import run
 from deixis import Scene
-from deixis.cli import live, maps, questions, view, words  # noqa: F401 - they add their commands
+from deixis.cli import bags, live, maps, questions, view, words  # noqa: F401 - they add their commands
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from endpoint import serving
@@ -122,6 +123,12 @@ def test_the_map_tells_what_the_readme_shows(root: Path, tmp_path: Path) -> None
     (query,) = blocks("sparql")
     found = store.query(query["text"], prefixes=EXAMPLES["prefixes"], use_default_graph_as_union=True)
     check(shown_after(query), "".join(" | ".join(one.value for one in row) + "\n" for row in found))
+
+
+def test_a_recording_tells_what_the_readme_shows(tmp_path: Path) -> None:
+    (block,) = (one for one in blocks("bash") if one["text"].startswith("deixis bag"))
+    kitchen(tmp_path / "kitchen")
+    check(shown_after(block), run(*shlex.split(block["text"])[1:], cwd=tmp_path).out)
 
 
 def test_postgis_measures_what_the_readme_shows(root: Path) -> None:

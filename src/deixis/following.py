@@ -79,6 +79,11 @@ class Following(Explaining):
         self._tell(changes)
         return changes
 
+    @property
+    def kept(self) -> tuple[Relation, ...]:
+        """Return the relations that :meth:`update` keeps up, with their margins as they are now."""
+        return in_order(map(_relation, self._living.holds.items()))
+
     def subscribe(self, subscriber: Callable[[Changes], object]) -> Callable[[], None]:
         """Call a function with the changes of each update from now on; return how to end that.
 

@@ -283,7 +283,7 @@ def export(
     target: Annotated[
         Path,
         typer.Option(
-            "-o", "--output", metavar="FILE", help="What to write: .trig, .nq, .jsonld, .ttl or .nt."
+            "-o", "--output", metavar="FILE", help="What to write: .trig, .nq, .jsonld, .ttl, .nt or .mcap."
         ),
     ],
     region: RegionOption = Region.BOX,
@@ -291,12 +291,17 @@ def export(
     proofs: Annotated[bool, typer.Option(help="By which steps each relation was derived.")] = True,
     rules: RuleFiles = None,
 ) -> None:
-    """Write a scene with all that follows from it as RDF, in the format of the file's ending."""
+    """Write a scene with all that follows from it as RDF, or for Foxglove, by the ending of the file."""
     from deixis.rdf.export import save
 
     with open_scene(scene, region, rules) as kb:
-        count = save(kb, target, proofs=proofs, view=view)
-    print(f"{target}: {count} quads", file=sys.stderr)
+        if target.suffix == ".mcap":
+            from deixis.cli.bags import export_mcap
+
+            told = export_mcap(kb, target, proofs=proofs, view=view)
+        else:
+            told = f"{save(kb, target, proofs=proofs, view=view)} quads"
+    print(f"{target}: {told}", file=sys.stderr)
 
 
 @app.command(name="import")

@@ -29,6 +29,8 @@ Labels = Sequence[tuple[str, str]]
 _SPARE: Final = 1_024
 """Names that are not used any more, beyond as many as there are things, before they are forgotten."""
 
+_MANY: Final = 2
+"""With one in so many things changed, drawing all conclusions anew costs no more than finding which."""
 
 _WIDE: Final = 4
 """What looks at more than one in so many things is not looked at together with what does not."""
@@ -121,6 +123,8 @@ class Living:
         now = Placed(facts, self._now.codes if same else self._names.of(facts.ids))
         whole = np.array([self._anew(one, len(changed) > 0, looked) for one in self._wanted], dtype=np.bool_)
         found = self._derive(now, labels, whole)
+        if _MANY * len(changed) >= len(facts.ids):
+            whole |= self._looking
         dropped = [whole[kept.predicate] for kept in self._kept]
         if len(changed) and (self._looking & ~whole).any():
             nearby = Around(self._now, now, changed, len(self._names))
