@@ -315,7 +315,8 @@ class Dataset:
 
     async def _snapshot(self, scenes: dict[str, Loaded], own: bytes) -> Snapshot:
         exports = [await self._export(name, one) for name, one in scenes.items()]
-        quads = b"".join([*exports, *(self._past[name] for name in scenes if "history" in scenes[name].graphs)])
+        past = [self._past[name] for name, one in scenes.items() if "history" in one.graphs]
+        quads = b"".join([*exports, *past])
         owned = [name for one in scenes.values() for name in one.graphs.values()]
         root = self.processes[0]
         try:
