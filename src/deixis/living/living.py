@@ -122,9 +122,9 @@ class Living:
         same = facts.ids == self._now.facts.ids
         now = Placed(facts, self._now.codes if same else self._names.of(facts.ids))
         whole = np.array([self._anew(one, len(changed) > 0, looked) for one in self._wanted], dtype=np.bool_)
-        found = self._derive(now, labels, whole)
         if _MANY * len(changed) >= len(facts.ids):
             whole |= self._looking
+        found = self._derive(now, labels, whole)
         dropped = [whole[kept.predicate] for kept in self._kept]
         if len(changed) and (self._looking & ~whole).any():
             nearby = Around(self._now, now, changed, len(self._names))
