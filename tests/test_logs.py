@@ -291,7 +291,7 @@ def test_tf_that_is_recorded_later_counts(tmp_path: Path) -> None:
     with read_bag(tmp_path / "bag") as log:
         found = [(stamp, scene.objects[0].region.center[0]) for stamp, scene in log]
     assert found == [(START, 1.0), (START + SECOND, 2.0), (START + 2 * SECOND, 3.0)]
-    assert log.report.skipped == {"it is of no later moment than what came before it": 1}
+    assert log.report.skipped == {"a message is of no later moment than the one before it": 1}
 
 
 # Boxes.

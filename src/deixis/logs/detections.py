@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import lru_cache
-from typing import Any, Final, NamedTuple
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from deixis.errors import ReaderError
 from deixis.logs.bags import Message
@@ -14,6 +14,9 @@ from deixis.logs.report import Report
 from deixis.logs.transforms import frame_name, seconds
 from deixis.scene import Label
 from deixis.strict_json import quoted
+
+if TYPE_CHECKING:
+    from pydantic import TypeAdapter
 
 MOST_LABELS: Final = 5
 """Hypotheses that are kept of each detection, the best."""
@@ -179,12 +182,20 @@ def usable(name: str) -> bool:
     >>> usable("cup"), usable("cup" + chr(7)), usable("x" * 300)
     (True, False, False)
     """
-    from pydantic import TypeAdapter, ValidationError
-
-    from deixis.scene_format import Name
+    from pydantic import ValidationError
 
     try:
-        TypeAdapter(Name).validate_python(name, strict=True)
+        _names().validate_python(name, strict=True)
     except ValidationError:
         return False
     return True
+
+
+@cache
+def _names() -> TypeAdapter[str]:
+    """Return what checks names as scene files are checked, made once: it takes longer than a check."""
+    from pydantic import TypeAdapter
+
+    from deixis.scene_format import Name
+
+    return TypeAdapter(Name)

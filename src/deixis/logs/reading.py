@@ -30,6 +30,9 @@ from deixis.updates import Update
 WAIT: Final = 5 * 10**9
 """Nanoseconds of recording for which what is shown waits for tf that was recorded after it."""
 
+MOST: Final = 4096
+"""Messages that wait at once; with more the first waits no longer."""
+
 FORGET: Final = 5.0
 """Seconds after which what nothing shows any more is gone."""
 
@@ -168,7 +171,7 @@ class Log:
                 else:
                     shown = detected(message, self.report, self._choices.names)
                     heapq.heappush(waiting, (shown.stamp, next(number), message.recorded, shown))
-                while waiting and message.recorded - waiting[0][2] >= WAIT:
+                while waiting and (len(waiting) > MOST or message.recorded - waiting[0][2] >= WAIT):
                     latest = yield from self._next(waiting, latest)
         except ReaderError as cause:
             damage = cause  # what was read until then is shown first
@@ -182,11 +185,7 @@ class Log:
     ) -> Generator[Detected, None, float]:
         shown = heapq.heappop(waiting)[3]
         if shown.stamp <= latest:
-            self.report.skip(
-                "it is of no later moment than what came before it",
-                f"the message of {seconds(shown.stamp)}",
-                len(shown.found),
-            )
+            self.report.skip("a message is of no later moment than the one before it", seconds(shown.stamp))
             return latest
         yield shown
         return shown.stamp
