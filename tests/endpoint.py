@@ -146,7 +146,9 @@ def start(
         except OSError:
             if process.poll() is not None:
                 assert process.stderr is not None
-                raise AssertionError(process.stderr.read().decode()) from None
+                with process.stderr:
+                    said = process.stderr.read().decode()
+                raise AssertionError(said) from None
             if time.monotonic() > deadline:
                 process.kill()
                 raise

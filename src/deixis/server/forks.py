@@ -27,6 +27,9 @@ Reply = tuple[Mapping[str, Any], bytes]
 Work = Callable[[Mapping[str, Any], bytes], Reply]
 """From a message to its answer."""
 
+_FILE: Final = 1 << 26
+"""Bytes of a file that a process may write: the facts of some ten thousand things, for SWI-Prolog."""
+
 _PARENT_DEATH_SIGNAL: Final = 1
 """PR_SET_PDEATHSIG of Linux."""
 
@@ -42,7 +45,7 @@ def restrict(memory: int, *, files: bool) -> None:
         Whether it may open anything at all: without, there is no file and no socket for it, whatever the
         libraries in it are asked to do.
     """
-    bounds = {resource.RLIMIT_CORE: 0, resource.RLIMIT_FSIZE: 1 << 20, resource.RLIMIT_AS: _size() + memory}
+    bounds = {resource.RLIMIT_CORE: 0, resource.RLIMIT_FSIZE: _FILE, resource.RLIMIT_AS: _size() + memory}
     if not files:
         bounds |= {resource.RLIMIT_NOFILE: 0, resource.RLIMIT_FSIZE: 0}
     for which, amount in bounds.items():
