@@ -2,8 +2,8 @@
 
 Around each pixel a plane is fitted to its neighbours in the same mask and about as deep, and once more to
 those of them that do not fly. Layers of depth that overlap by half take the place of one such choice for each
-pixel. What the fit says replaces what was measured, with a standard error. A pixel with few neighbours as deep
-as itself, or far from their fit, is no part of the thing.
+pixel. What the fit says replaces what was measured, with a standard error. A pixel with few neighbours as
+deep as itself, or far from their fit, is no part of the thing.
 """
 
 from __future__ import annotations
