@@ -49,11 +49,20 @@ _KEPT: Final = 4
 _ALONG: Final = 100
 """Places looked at on the way to where moves along several axes lead."""
 
-_SHORTER: Final = np.concatenate([0.32 * 0.5 ** np.arange(12), [_FINEST]])
-"""Metres by which such a move is made shorter along some of the axes."""
+_ASIDE: Final = np.append(0.32 * 0.5 ** np.arange(11), _FINEST)
+"""Metres around such a place at which one that is nearer is looked for."""
 
-_ROUNDS: Final = 24
-"""Times that it is made shorter, at most."""
+_WAYS: Final = 120
+"""Random directions in which it is."""
+
+_WORTH: Final = 0.999
+"""Times the length of a move that a shorter one has at most."""
+
+_CLEARLY: Final = 0.98
+"""Times the length of a move along one line that another is, at most, where it is preferred."""
+
+_ROUNDS: Final = 40
+"""Times that a nearer one is looked for, at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,50 +206,46 @@ def smallest_change(scene: Scene, facts: Facts, executor: Executor, goal: Row) -
         )
         composed = asked.many(moves)
     for free in (True, False):
-        brackets = lines.brackets(tried.good(free=free))
+        straight = _found(scene, asked, lines.brackets(tried.good(free=free)), free=free)
         start = np.flatnonzero(composed.good(free=free))
+        askew = None
         if len(start):
-            brackets += _shortened(asked, moves[start[0]], free=free)
-        found = _verified(scene, asked, _narrowed(asked, brackets, free=free), free=free)
-        if found is not None:
-            return found
+            askew = _found(scene, asked, _shortened(asked, moves[start[0]], free=free), free=free)
+        # One along an axis is easier to follow than one that is hardly shorter.
+        if askew is not None and (straight is None or askew.distance < _CLEARLY * straight.distance):
+            return askew
+        if straight is not None:
+            return straight
     return None
 
 
 def _shortened(asked: Asked, offset: Array, *, free: bool) -> list[Bracket]:
     """Return where, on the way to a shorter move that changes the answer too, it first does."""
-    signs = np.stack(np.meshgrid([0.0, 1.0], [0.0, 1.0], [0.0, 1.0], indexing="ij"), axis=-1).reshape(-1, 3)[
-        1:
-    ]
-    yaw = asked.yaw
-    frame = np.array([[np.cos(yaw), np.sin(yaw), 0.0], [-np.sin(yaw), np.cos(yaw), 0.0], [0.0, 0.0, 1.0]])
-    own = frame @ offset
+    rng = np.random.default_rng(0)
     for _ in range(_ROUNDS):
-        less = np.minimum(_SHORTER[:, None, None] * signs, np.abs(own))
-        shorter = np.unique((own - np.sign(own) * less).reshape(-1, 3), axis=0)
-        shorter = shorter[np.argsort(np.linalg.norm(shorter, axis=1), kind="stable")]
-        good = np.flatnonzero(asked.many(shorter @ frame).good(free=free))
-        if not len(good) or np.linalg.norm(own) - np.linalg.norm(shorter[good[0]]) < 0.5 * _FINEST:
+        ways = rng.normal(size=(_WAYS, 3))
+        ways = np.concatenate([np.eye(3), -np.eye(3), ways / np.linalg.norm(ways, axis=1, keepdims=True)])
+        near = (offset + _ASIDE[:, None, None] * ways).reshape(-1, 3)
+        length = np.linalg.norm(near, axis=1)
+        near = near[np.argsort(length, kind="stable")]
+        near = near[: np.count_nonzero(length < _WORTH * np.linalg.norm(offset) - _FINEST)]
+        good = np.flatnonzero(asked.many(near).good(free=free))
+        if not len(good):
             break
-        own = shorter[good[0]]
-    distance = float(np.linalg.norm(own))
-    lines = _Lines.of((own @ frame / distance)[None], np.linspace(0.0, distance, _ALONG + 1)[1:])
+        offset = near[good[0]]
+    distance = float(np.linalg.norm(offset))
+    lines = _Lines.of(offset[None] / distance, np.linspace(0.0, distance, _ALONG + 1)[1:])
     return lines.brackets(asked.many(lines.offsets).good(free=free))
 
 
-def _narrowed(asked: Asked, brackets: list[Bracket], *, free: bool) -> list[Bracket]:
-    """Return the nearest of some brackets, narrowed down to what a change is found within."""
+def _found(scene: Scene, asked: Asked, brackets: list[Bracket], *, free: bool) -> Change | None:
+    """Return the nearest change within some brackets that grounding the scene again confirms."""
     while brackets and max(high - low for _, low, high in brackets) > _FINEST:
         nearest = sorted(brackets, key=lambda one: one[2])[:_KEPT]
         finer = [np.linspace(low, high, _FINER + 1)[1:] for _, low, high in nearest]
         lines = _Lines(np.array([way for way, _, _ in nearest]), np.array(finer))
         brackets = lines.brackets(asked.many(lines.offsets).good(free=free))
-    return sorted(brackets, key=lambda one: one[2])
-
-
-def _verified(scene: Scene, asked: Asked, brackets: list[Bracket], *, free: bool) -> Change | None:
-    """Return the first change that grounding the scene again confirms."""
-    for way, _, high in brackets:
+    for way, _, high in sorted(brackets, key=lambda one: one[2]):
         for distance in (high, high + _FINEST):
             offset = np.round(way * distance, 6)
             holds, collides = asked.after(moved(scene, {asked.figure: offset}))

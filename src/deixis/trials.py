@@ -74,12 +74,6 @@ class Asked:
         self._met = self._partners(facts)
         self.now = goal[1:] in self._rows(facts)
 
-    @property
-    def yaw(self) -> float:
-        """Return the yaw of what the question places the thing by."""
-        others = [name for name in self._goal[1:] if name in self._facts.ids and name != self.figure]
-        return float(self._scene.boxes.yaw[self._scene.index(others[0])]) if others else 0.0
-
     def after(self, scene: Scene) -> tuple[bool, tuple[str, ...]]:
         """Return the answer in the scene with the thing moved, and what it shares new space with there."""
         facts = reground(self._scene, self._facts, scene)
