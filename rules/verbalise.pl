@@ -281,8 +281,7 @@ hindrance(Goal, Text) :-
     atom(Reference),
     Figure \== Reference,
     (   one_way(Name/Arity),
-        \+ figure_reference(Figure, Reference),
-        figure_reference(Reference, Figure)
+        wrong_way(Figure, Reference)
     ->  hindrance_text(order(Figure, Reference), Text)
     ;   Views = [View],
         withheld(Reference, View, Reason)
@@ -303,6 +302,22 @@ one_way(Name/2) :-
     member(Side, [east, west, north, south]),
     atom_concat(Side, _, Name),
     !.
+
+%   wrong_way(+Figure, +Reference): people say where Reference is by Figure, however far apart the two are.
+
+wrong_way(Figure, Reference) :-
+    figure_reference(Reference, Figure),
+    !,
+    \+ figure_reference(Figure, Reference).
+wrong_way(Figure, Reference) :-
+    \+ pair(Figure, Reference, _, _, _, _, _, _, _),
+    \+ surface(Reference),
+    (   surface(Figure)
+    ->  true
+    ;   facts:box_volume(Figure, Larger),
+        facts:box_volume(Reference, Smaller),
+        Larger > Smaller
+    ).
 
 hindrance_text(What, Text) :-
     language(Words),

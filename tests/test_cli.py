@@ -663,6 +663,9 @@ def test_the_smallest_change(hans: Path) -> None:
     change = json.loads(found.out)["change"]
     assert (change["move"], change["holds"]) == ("sweater", True)
     assert change["offset"] == pytest.approx([0, 0, -0.04], abs=2e-4)
+    assert change["collides"] == ["heater"]
+    said = call("change", hans, "inside(sweater, heater)").out
+    assert said.endswith("There it would share space with heater.\n")
     assert "no longer holds" in call("change", hans, "touches(extinguisher1, wall)").out
     far = call("change", hans, "above(extinguisher1, sweater)")
     assert (far.code, far.out) == (NO, "No move within three metres was found that changes it.\n")

@@ -274,6 +274,14 @@ def test_what_is_out_of_reach_has_no_nearest(kb: KnowledgeBase) -> None:
     )
 
 
+def test_the_wrong_way_round_is_so_however_far_away(kb: KnowledgeBase) -> None:
+    """The sweater is larger than the sign: by no move would it be near it, as people say it."""
+    said = kb.why_not("near(sweater, sign)").sentence()
+    assert said.endswith("the reference of the two, so people say where the fire extinguisher sign is.")
+    assert "beyond the reach" in kb.why_not("near(sign, sweater)").sentence()
+    assert "beyond the reach" not in kb.why("near(sweater, sign)").text
+
+
 def test_the_wrong_way_round_does_not_hold(kb: KnowledgeBase) -> None:
     for goal in ("on_top_of(heater, sweater)", "leans_on(wall, extinguisher2)", "near(floor, heater)"):
         assert not kb.why(goal)

@@ -248,7 +248,7 @@ def test_hostile_ids_are_only_ids(base: PrologEngine, ids: list[str], view: str)
     assert found["figure_reference"] == [tuple(ids)]
     assert found["view_label"] == [(view, ids[0])]
     assert {row[0] for row in found["spatial_obj"]} == set(ids)
-    assert count == 2 + 1 + 3 + 2 + (view != "world") + 1 + len(Thresholds().items()) + 1 + 2 + 2 + 4 + 1
+    assert count == 2 + 1 + 3 + 2 + 2 + (view != "world") + 1 + len(Thresholds().items()) + 1 + 2 + 2 + 4 + 1
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
@@ -265,7 +265,15 @@ def test_a_scene_without_pairs(base: PrologEngine) -> None:
     some = some_facts()
     world = ViewFacts("world", np.zeros(0, dtype=np.int64), np.zeros((0, 4)), np.zeros((0, 4)))
     nothing = some.pairs.at(np.zeros(0, dtype=np.int64))
+    nobody = some.volume[:0]
     facts = replace(
-        some, ids=(), labels=(), models=(), surface=some.surface[:0], pairs=nothing, views=(world,)
+        some,
+        ids=(),
+        labels=(),
+        models=(),
+        surface=some.surface[:0],
+        volume=nobody,
+        pairs=nothing,
+        views=(world,),
     )
     assert base.load(facts_text(facts)) == len(Thresholds().items())

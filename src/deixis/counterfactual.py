@@ -1,8 +1,7 @@
 """Counterfactuals: what would hold if things stood elsewhere, and how little changes an answer.
 
-Things are moved, not turned. What is said of a moved thing is found by the same geometry and rules as ever:
-by grounding the scene again, or for many places at once by asking of as many copies of the thing, none of
-which knows of the others.
+Things are moved, not turned. What is found by trying many places at once is verified by grounding the scene
+again.
 """
 
 from __future__ import annotations
@@ -15,23 +14,23 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from deixis.boxes import NO_NORMAL, Boxes, align_with_world
 from deixis.errors import GeometryError, QueryError, SceneError
-from deixis.facts import Facts, ViewFacts
-from deixis.frames import WORLD, Array, Index, Mask, bearing
-from deixis.grounding import frame, measure_pairs, meets_halfspaces, view_facts
+from deixis.facts import Facts
+from deixis.frames import Array, Mask, bearing
 from deixis.hints import hint
+from deixis.placements import placements
 from deixis.regions import shifted
-from deixis.regrounding import reground
 from deixis.scene import Scene
 from deixis.strict_json import quoted
 from deixis.things import SpatialObject
+from deixis.trials import Asked, Row, Tried
 
 if TYPE_CHECKING:
     from deixis.ruleset import Indicator
     from deixis.ruleset.tables import Executor
 
-Row = tuple[str, ...]
+Bracket = tuple[Array, float, float]
+"""A unit vector, a distance along it at which the answer is as it was, and one at which it is another."""
 
 FURTHEST: Final = 3.0
 """Metres: a change further away than this is not looked for."""
@@ -48,6 +47,24 @@ _FINER: Final = 25
 _KEPT: Final = 4
 """Directions that are looked at more closely: those in which an answer changes first."""
 
+_ALONG: Final = 100
+"""Places looked at on the way to where moves along several axes lead."""
+
+_ASIDE: Final = np.append(0.32 * 0.5 ** np.arange(11), _FINEST)
+"""Metres around such a place at which one that is nearer is looked for."""
+
+_WAYS: Final = 120
+"""Random directions in which it is."""
+
+_WORTH: Final = 0.999
+"""Times the length of a move that a shorter one has at most."""
+
+_CLEARLY: Final = 0.98
+"""Times the length of a move along one line that another is, at most, where it is preferred."""
+
+_ROUNDS: Final = 40
+"""Times that a nearer one is looked for, at most."""
+
 
 @dataclass(frozen=True, slots=True)
 class Change:
@@ -63,17 +80,21 @@ class Change:
         Metres.
     holds : bool
         What the answer is afterwards.
+    collides : tuple of str
+        Ids of the things that it would share space with, and does not now.
     """
 
     thing: str
     offset: tuple[float, float, float]
     distance: float
     holds: bool
+    collides: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, object]:
         """Return the change as a dict, ready for JSON."""
         return {
-            "move": self.thing, "offset": list(self.offset), "distance": self.distance, "holds": self.holds
+            "move": self.thing, "offset": list(self.offset), "distance": self.distance, "holds": self.holds,
+            "collides": list(self.collides),
         }  # fmt: skip
 
 
@@ -152,8 +173,11 @@ def smallest_change(scene: Scene, facts: Facts, executor: Executor, goal: Row) -
     """Return the smallest translation found of a goal's figure that makes it true or, if it is, false.
 
     Tried are the directions of the world, of the boxes and views concerned, and of the contacts of the
-    figure, so a smaller translation askew to all of them may exist. What is found is verified: after the
-    move the answer is another, and at nine tenths of the way it is not yet.
+    figure; and, to make it true, the moves that place the figure on, under, beside, within or near what else
+    is asked about, made as short as can be. So a smaller translation askew to all of them may exist. A move
+    after which the figure shares space with what it does not now is the last resort, and says so (decision
+    0058). What is found is verified: after the move the answer is another, and at nine tenths of the way it
+    is not yet.
 
     Parameters
     ----------
@@ -180,20 +204,65 @@ def smallest_change(scene: Scene, facts: Facts, executor: Executor, goal: Row) -
     if facts.region != "box":
         raise GeometryError("the smallest change is looked for with boxes only: use the region model box")
     figure = _figure(scene, goal)
-    asked = _Asked(scene, facts, executor, goal, figure)
-    now = asked.here()
-    ways = _ways(scene, facts, goal, figure)
-    brackets = _first_changes(asked, ways, [_STEPS] * len(ways), now)
+    asked = Asked(scene, facts, executor, goal, figure)
+    lines = _Lines.of(_ways(scene, facts, goal, figure), _STEPS)
+    tried = asked.many(lines.offsets)
+    moves, composed = np.empty((0, 3)), Tried.nothing()
+    if not asked.now:
+        others = [scene.index(name) for name in goal[1:] if name in facts.ids and name != figure]
+        moves = placements(
+            scene.boxes, scene.index(figure), np.array(others, int), scene.thresholds, FURTHEST
+        )
+        composed = asked.many(moves)
+    for free in (True, False):
+        straight = _found(scene, asked, lines.brackets(tried.good(free=free)), free=free)
+        start = np.flatnonzero(composed.good(free=free))
+        askew = None
+        if len(start):
+            askew = _found(scene, asked, _shortened(asked, moves[start[0]], free=free), free=free)
+        # One along an axis is easier to follow than one that is hardly shorter.
+        if askew is not None and (straight is None or askew.distance < _CLEARLY * straight.distance):
+            return askew
+        if straight is not None:
+            return straight
+    return None
+
+
+def _shortened(asked: Asked, offset: Array, *, free: bool) -> list[Bracket]:
+    """Return where, on the way to a shorter move that changes the answer too, it first does."""
+    rng = np.random.default_rng(0)
+    for _ in range(_ROUNDS):
+        ways = rng.normal(size=(_WAYS, 3))
+        ways = np.concatenate([np.eye(3), -np.eye(3), ways / np.linalg.norm(ways, axis=1, keepdims=True)])
+        near = (offset + _ASIDE[:, None, None] * ways).reshape(-1, 3)
+        length = np.linalg.norm(near, axis=1)
+        near = near[np.argsort(length, kind="stable")]
+        near = near[: np.count_nonzero(length < _WORTH * np.linalg.norm(offset) - _FINEST)]
+        good = np.flatnonzero(asked.many(near).good(free=free))
+        if not len(good):
+            break
+        offset = near[good[0]]
+    distance = float(np.linalg.norm(offset))
+    lines = _Lines.of(offset[None] / distance, np.linspace(0.0, distance, _ALONG + 1)[1:])
+    return lines.brackets(asked.many(lines.offsets).good(free=free))
+
+
+def _found(scene: Scene, asked: Asked, brackets: list[Bracket], *, free: bool) -> Change | None:
+    """Return the nearest change within some brackets that grounding the scene again confirms."""
     while brackets and max(high - low for _, low, high in brackets) > _FINEST:
         nearest = sorted(brackets, key=lambda one: one[2])[:_KEPT]
         finer = [np.linspace(low, high, _FINER + 1)[1:] for _, low, high in nearest]
-        brackets = _first_changes(asked, np.array([way for way, _, _ in nearest]), finer, now)
+        lines = _Lines(np.array([way for way, _, _ in nearest]), np.array(finer))
+        brackets = lines.brackets(asked.many(lines.offsets).good(free=free))
     for way, _, high in sorted(brackets, key=lambda one: one[2]):
         for distance in (high, high + _FINEST):
             offset = np.round(way * distance, 6)
-            if asked.at(offset) != now and asked.at(0.9 * offset) == now:
+            holds, collides = asked.after(moved(scene, {asked.figure: offset}))
+            if holds == asked.now or (free and collides):
+                continue
+            if asked.after(moved(scene, {asked.figure: 0.9 * offset}))[0] == asked.now:
                 x, y, z = (float(one) + 0.0 for one in offset)
-                return Change(figure, (x, y, z), float(np.linalg.norm(offset)), not now)
+                return Change(asked.figure, (x, y, z), float(np.linalg.norm(offset)), holds, collides)
     return None
 
 
@@ -231,90 +300,30 @@ def _ways(scene: Scene, facts: Facts, goal: Row, figure: str) -> Array:
     return np.asarray(ways[np.sort(first)])
 
 
-def _first_changes(
-    asked: _Asked, ways: Array, distances: Sequence[Array], now: bool
-) -> list[tuple[Array, float, float]]:
-    """Return ways along which the answer changes: each with the last distance before, and the first after."""
-    offsets = np.concatenate([way * steps[:, None] for way, steps in zip(ways, distances, strict=True)])
-    found = asked.many(offsets) != now
-    changes, start = [], 0
-    for way, steps in zip(ways, distances, strict=True):
-        changed = np.flatnonzero(found[start : start + len(steps)])
-        start += len(steps)
-        if len(changed):
-            at = int(changed[0])
-            before = float(steps[at - 1]) if at else max(float(2.0 * steps[0] - steps[1]), 0.0)
-            changes.append((way, before, float(steps[at])))
-    return changes
+@dataclass(frozen=True, slots=True)
+class _Lines:
+    """Places along d lines, (d, m) metres from where a thing stands, and the unit vectors of these lines."""
 
+    ways: Array
+    steps: Array
 
-class _Asked:
-    """A question about one thing, to be asked for many places of it."""
+    @classmethod
+    def of(cls, ways: Array, steps: Array) -> _Lines:
+        """Return lines with the same steps along each."""
+        return cls(ways, np.broadcast_to(steps, (len(ways), len(steps))))
 
-    def __init__(self, scene: Scene, facts: Facts, executor: Executor, goal: Row, figure: str) -> None:
-        self._scene, self._facts, self._executor = scene, facts, executor
-        self._goal, self._figure = goal, figure
-        self._predicate: Indicator = (goal[0], len(goal) - 1)
-        self._labels = [(view.id, view.label) for view in scene.views]
+    @property
+    def offsets(self) -> Array:
+        """Return all the places, (d * m, 3)."""
+        return (self.ways[:, None] * self.steps[:, :, None]).reshape(-1, 3)
 
-    def here(self) -> bool:
-        """Return the answer as things are."""
-        return self._goal[1:] in self._rows(self._facts)
-
-    def at(self, offset: Array) -> bool:
-        """Return the answer after a move of (3,) metres, by grounding the scene again."""
-        after = moved(self._scene, {self._figure: offset})
-        return self._goal[1:] in self._rows(reground(self._scene, self._facts, after))
-
-    def many(self, offsets: Array) -> Mask:
-        """Return the answers after moves of (m, 3) metres, (m,), all at once."""
-        facts, names = _with_copies(self._scene, self._facts, self._figure, offsets)
-        rows = self._rows(facts)
-        asked = (tuple(name if one == self._figure else one for one in self._goal[1:]) for name in names)
-        return np.array([row in rows for row in asked], dtype=np.bool_)
-
-    def _rows(self, facts: Facts) -> set[Row]:
-        tables = self._executor.run(facts, [self._predicate], view_labels=self._labels, margins=False)
-        return {tuple(map(str, row)) for row in tables[self._predicate].rows()}
-
-
-def _with_copies(scene: Scene, facts: Facts, figure: str, offsets: Array) -> tuple[Facts, list[str]]:
-    """Return facts in which a thing is replaced by copies, each moved by one of (m, 3) metres, and their ids.
-
-    A copy has facts with all other things but with no other copy.
-    """
-    boxes, limits, position = scene.boxes, facts.thresholds, scene.index(figure)
-    n, m = len(boxes), len(offsets)
-    every = np.concatenate([np.arange(n), np.full(m, position)])
-    center = boxes.center[every]
-    center[n:] += offsets
-    crowd = Boxes(center, boxes.half[every], boxes.yaw[every], boxes.normal[every], boxes.ambiguous[every])
-    others = np.delete(np.arange(n), position)
-    copy, other = np.repeat(np.arange(n, n + m), len(others)), np.tile(others, m)
-    kept = (facts.figure != position) & (facts.reference != position)
-    keys = [facts.figure[kept].astype(np.int64) * (n + m) + facts.reference[kept]]
-    keys += [copy * (n + m) + other, other * (n + m) + copy]
-    rows = np.sort(np.concatenate(keys))
-    mark = "~"
-    while any(name.startswith(figure + mark) for name in facts.ids):
-        mark += "~"
-    names = [f"{figure}{mark}{number}" for number in range(m)]
-    found = replace(
-        facts,
-        ids=(*facts.ids, *names),
-        labels=(*facts.labels, *([facts.labels[position]] * m)),
-        surface=crowd.normal != NO_NORMAL,
-        volume=facts.volume[every],
-        pairs=measure_pairs(crowd, rows // (n + m), rows % (n + m), limits),
-        views=(),
-        models=(*facts.models, *([facts.models[position]] * m)),
-    )
-    framed, tie = align_with_world(crowd)
-    seen = [_seen(crowd, found, WORLD, framed, np.ones(n + m, dtype=np.bool_), tie)]
-    seen += [_seen(crowd, found, view.id, *frame(crowd, view)) for view in scene.views]
-    return replace(found, views=tuple(seen)), names
-
-
-def _seen(crowd: Boxes, facts: Facts, name: str, framed: Boxes, seen: Mask, tie: Mask) -> ViewFacts:
-    rows: Index = np.flatnonzero(facts.ordered & seen[facts.reference])
-    return view_facts(name, crowd, rows, *meets_halfspaces(crowd, framed, facts, rows), seen, tie)
+    def brackets(self, good: Mask) -> list[Bracket]:
+        """Return the lines with a good place: each with the last distance before it, and its own."""
+        found = good.reshape(self.steps.shape)
+        result = []
+        for way, steps, line in zip(self.ways, self.steps, found, strict=True):
+            if line.any():
+                at = int(line.argmax())
+                before = float(steps[at - 1]) if at else max(float(2.0 * steps[0] - steps[1]), 0.0)
+                result.append((way, before, float(steps[at])))
+        return result

@@ -44,6 +44,9 @@ _SURE: Final = (_X, _Y, _Z, _X + _Y, _X - _Y, _X + _Z, _X - _Z, _Y + _Z, _Y - _Z
 _NEAR: Final = (0, *_SURE, _X + _Y + _Z, _X + _Y - _Z, _X - _Y + _Z, _X - _Y - _Z)
 """A block itself and half of the 26 around it: no point beyond them is near enough."""
 
+_DENSE: Final = 1 << 18
+"""Cells in all, empty ones too, up to which they are looked at as an image."""
+
 _BLOCK_BITS: Final = 2
 """A block is four cells wide, more than the gap, so that of a gap's length it holds all but the ends."""
 
@@ -224,6 +227,8 @@ def _sorted_set(numbers: Index) -> Index:
 
 def _components(size: int, one: Index | Label, other: Index | Label) -> Label:
     """Return for labels 0..size-1, some of them linked, new ones, numbered in the order of the old."""
+    if len(one) == 0:
+        return np.arange(size, dtype=np.int32)
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -251,6 +256,15 @@ def _spread(count: Index) -> Iterator[tuple[Index, Index]]:
 
 def _sure_links(cells: Index) -> Label:
     """Return a label for each cell, the same for those that adjoin each other."""
+    place = np.stack([cells >> shift & (1 << _FIELD) - 1 for shift in (2 * _FIELD, _FIELD, 0)])
+    place -= place.min(axis=1, keepdims=True)
+    shape = place.max(axis=1) + 1
+    if shape.prod() <= _DENSE:
+        from scipy.ndimage import generate_binary_structure, label
+
+        image = np.zeros(shape, dtype=np.bool_)
+        image[*place] = True
+        return np.asarray(label(image, generate_binary_structure(3, 2))[0][*place] - 1, dtype=np.int32)
     links = [_found(cells, cells + offset) for offset in _SURE]
     one, other = (np.concatenate(ends).astype(np.int32) for ends in zip(*links, strict=True))
     return _components(len(cells), one, other)
@@ -268,6 +282,8 @@ def _near_links(points: Array, grid: _Grid, cells: Index, label: Label, gap: flo
     cell, points = np.concatenate(owner), np.concatenate(near)
     block = _blocks(cells[cell])
     for offset in _NEAR if len(cell) else ():
+        if not label.any():
+            break
         order = np.lexsort((label[cell], block))
         cell, block, points = cell[order], block[order], points[order]
         label = _Groups.of(points, block, label[cell]).linked(int(label.max()) + 1, offset, gap)[label]
@@ -314,6 +330,8 @@ class _Groups:
         if offset == 0:
             # Each pair within a block once.
             low = np.arange(len(self.block)) + 1
+        if not (high > low).any():
+            return np.arange(labels, dtype=np.int32)
         ends = [np.empty((2, 0), dtype=np.int32)]
         crowds = [np.empty((2, 0), dtype=np.int64)]
         for i, rank in _spread(high - low):

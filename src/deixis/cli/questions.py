@@ -181,6 +181,8 @@ def change(
             f"Move {printable(found.thing)} by {x:.6f},{y:.6f},{z:.6f} m ({100 * found.distance:.1f} cm): "
             f"then {printable(goal)} {becomes}."
         )
+        if found.collides:
+            print(f"There it would share space with {', '.join(map(printable, found.collides))}.")
     if found is None:
         raise typer.Exit(1)
 

@@ -8,6 +8,7 @@ point is noise. Where the frame sees something nearer, or nothing, it says nothi
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -35,50 +36,54 @@ class Backdrop:
     ----------
     view : str
     camera : Camera
-    nearest : (h, w) float32
-        The least depth around each pixel, metres; 0 where some pixel there has none.
-    owner : (h, w) int32
-        The thing of the map that each pixel shows, counted from 1.
+    depth : (h, w) float
+        Metres; 0 or NaN where there is none.
+    margin : float
+        Metres by which what is seen must lie behind a point.
+    instances : (h, w) int
+        Which thing of the frame each pixel shows.
+    things : dict of int to int
+        Which thing of the map each of those is, counted from 1.
     """
 
     view: str
     camera: Camera
-    nearest: NDArray[np.float32]
-    owner: NDArray[np.int32]
+    depth: Array
     margin: float
     instances: NDArray[np.integer]
+    things: dict[int, int]
 
     @classmethod
-    def of(cls, frame: Frame, view: str, noise: float) -> Backdrop:
-        """Return the backdrop of a frame, of which no pixel is claimed yet."""
+    def of(cls, frame: Frame, view: str, noise: float, things: dict[int, int]) -> Backdrop:
+        """Return the backdrop of a frame, with the things of the map that it shows."""
+        return cls(view, frame.camera, frame.depth, max(BEHIND * noise, LEAST), frame.instances, things)
+
+    @cached_property
+    def nearest(self) -> NDArray[np.float32]:
+        """Return the least depth around each pixel, metres; 0 where some pixel there has none."""
         from scipy.ndimage import minimum_filter
 
-        depth = np.nan_to_num(frame.depth).astype(np.float32)
-        nearest = minimum_filter(depth, 3, mode="nearest")
-        owner = np.zeros(depth.shape, dtype=np.int32)
-        return cls(view, frame.camera, nearest, owner, max(BEHIND * noise, LEAST), frame.instances)
-
-    def claim(self, number: int, thing: int) -> None:
-        """Say which thing of the map an instance of the image is."""
-        self.owner[self.instances == number] = thing
+        depth = np.nan_to_num(self.depth).astype(np.float32)
+        return np.asarray(minimum_filter(depth, 3, mode="nearest"))
 
     def looks_through(self, points: Array, thing: int) -> Mask:
         """Return which points of a thing are not there, (n,)."""
         camera = self.camera
-        own = (points - camera.position) @ camera.camera2world[:3, :3]
-        ahead = own[:, 2] > 0.1
-        depth = np.where(ahead, own[:, 2], 1.0)
-        u = np.rint(camera.fx * own[:, 0] / depth + camera.cx)
-        v = np.rint(camera.fy * own[:, 1] / depth + camera.cy)
+        x, y, z = ((points - camera.position) @ camera.camera2world[:3, :3]).T
+        ahead = z > 0.1
+        depth = np.where(ahead, z, 1.0)
+        u = np.rint(camera.fx * x / depth + camera.cx)
+        v = np.rint(camera.fy * y / depth + camera.cy)
         inside = ahead & (u >= 1) & (u < camera.width - 1) & (v >= 1) & (v < camera.height - 1)
         result = np.zeros(len(points), dtype=np.bool_)
         at = np.flatnonzero(inside)
         column, row = u[at].astype(np.int64), v[at].astype(np.int64)
         behind = self.nearest[row, column] > depth[at] + self.margin
         at, row, column = at[behind], row[behind], column[behind]
+        own = [number for number, owner in self.things.items() if owner == thing]
         mine = np.zeros(len(at), dtype=np.bool_)
         for down in (-1, 0, 1):
             for right in (-1, 0, 1):
-                mine |= self.owner[row + down, column + right] == thing
+                mine |= np.isin(self.instances[row + down, column + right], own)
         result[at[~mine]] = True
         return result if np.count_nonzero(result) <= DOUBT * len(points) else np.zeros_like(result)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -101,34 +101,33 @@ class Map:
         self._notes += [f"frame {moment}: {note}" for note in shown.notes]
         self._rest.append((shown.rest, shown.eye))
         self._noise = max(self._noise, shown.noise)
-        known = boxes_of([thing.outer for thing in self._things])
-        seen = boxes_of([_some(one.points) for one in shown.things])
-        match = associate(
-            known,
-            [thing.labels for thing in self._things],
-            seen,
-            [one.labels for one in shown.things],
-            self.thresholds.granularity,
-        )
-        new = 0
-        backdrop = Backdrop.of(frame, moment, shown.noise) if isinstance(frame, Frame) else None
+        match = self._match(shown.things)
+        new, numbers = 0, dict[int, int]()
         for position, sighting in enumerate(shown.things):
             if position in match:
                 self._things[match[position]].add(sighting, moment)
-                self._claim(backdrop, sighting.number, match[position] + 1)
+                numbers[sighting.number] = match[position] + 1
                 continue
             new += 1
             thing = _Thing(f"{moment}_{new}")
             thing.add(sighting, moment)
             self._things.append(thing)
-            self._claim(backdrop, sighting.number, len(self._things))
-        if backdrop is not None:
+            numbers[sighting.number] = len(self._things)
+        if isinstance(frame, Frame):
+            backdrop = Backdrop.of(frame, moment, shown.noise, numbers)
             self._backdrops = [*self._backdrops, backdrop][-KEPT:]
 
-    @staticmethod
-    def _claim(backdrop: Backdrop | None, number: int, thing: int) -> None:
-        if backdrop is not None:
-            backdrop.claim(number, thing)
+    def _match(self, sightings: Sequence[Sighting]) -> dict[int, int]:
+        """Return for sightings of one frame which known thing each is of; those that are left out are new."""
+        if not self._things:
+            return {}
+        return associate(
+            boxes_of([thing.outer for thing in self._things]),
+            [thing.labels for thing in self._things],
+            boxes_of([_some(one.points) for one in sightings]),
+            [one.labels for one in sightings],
+            self.thresholds.granularity,
+        )
 
     def _settle(self) -> None:
         """Let things that turned out to be one be one; the older keeps its id."""
@@ -143,13 +142,12 @@ class Map:
                 return
             for later, earlier in found.items():
                 self._things[earlier].join(self._things[later])
-                for backdrop in self._backdrops:
-                    backdrop.owner[backdrop.owner == later + 1] = earlier + 1
             left = [number for number in range(len(self._things)) if number not in found]
-            renumbered = np.zeros(len(self._things) + 1, dtype=np.int32)
-            renumbered[[number + 1 for number in left]] = np.arange(1, len(left) + 1)
+            renumbered = {number + 1: place for place, number in enumerate(left, 1)}
+            renumbered |= {later + 1: renumbered[earlier + 1] for later, earlier in found.items()}
             for backdrop in self._backdrops:
-                backdrop.owner[...] = renumbered[backdrop.owner]
+                for number, thing in backdrop.things.items():
+                    backdrop.things[number] = renumbered[thing]
             self._things = [self._things[number] for number in left]
 
     def _kept(self, number: int, thing: _Thing) -> tuple[Array, Array]:

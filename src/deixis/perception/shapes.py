@@ -93,7 +93,7 @@ def _directions() -> Array:
     return np.concatenate([sphere, circle, [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]])
 
 
-_DIRECTIONS: Final = _directions()
+_DIRECTIONS: Final = _directions().astype(np.float32)
 
 
 def corners(points: Array) -> Array:
@@ -107,12 +107,12 @@ def corners(points: Array) -> Array:
     points = points[:: -(-len(points) // ENOUGH)]
     middle = points.mean(axis=0)
     best = np.zeros(len(_DIRECTIONS), dtype=np.int64)
-    most = np.full(len(_DIRECTIONS), -np.inf)
+    most = np.full(len(_DIRECTIONS), -np.inf, dtype=np.float32)
     rows = np.arange(len(_DIRECTIONS))
     toward_x, toward_y, toward_z = (column[:, None] for column in _DIRECTIONS.T)
     for start in range(0, len(points), CHUNK):
         # Not by a matrix product, whose threads wait for each other longer than this takes.
-        x, y, z = (points[start : start + CHUNK] - middle).T
+        x, y, z = (points[start : start + CHUNK] - middle).T.astype(np.float32)
         along = toward_x * x + toward_y * y + toward_z * z
         here = along.argmax(axis=1)
         value = along[rows, here]
@@ -158,7 +158,8 @@ def region_of(points: Array, wobble: Array, limits: Thresholds) -> tuple[Region,
     keep, note = one_piece(points, max(limits.piece_gap, limits.granularity))
     if keep is not None:
         points, wobble = points[keep], wobble[keep]
-    axis, lone = upright_axis(points)
+    flank = _flank(points)
+    axis, lone = upright_axis(points, flank)
     if axis is not None:
         points, wobble = points[~lone], wobble[~lone]
     outer = corners(points)
@@ -166,7 +167,7 @@ def region_of(points: Array, wobble: Array, limits: Thresholds) -> tuple[Region,
         # The same from the other side.
         outer = np.concatenate([outer, [*2.0 * axis, 0.0] + outer * [-1.0, -1.0, 1.0]])
     yaw = min_bound_box(outer)[2]
-    better = along_sides(points, yaw) if axis is None else None
+    better = along_sides(flank, yaw) if axis is None else None
     yaw = yaw if better is None else better
     cos, sin = np.cos(yaw), np.sin(yaw)
     turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
@@ -189,6 +190,8 @@ def _beyond_doubt(own: Array, error: Array) -> tuple[Array, Array]:
     """Return how far a cloud reaches along each axis, down and up, beyond the doubt of its points."""
     low = (own + DRAWN * error).min(axis=0)
     high = (own - DRAWN * error).max(axis=0)
+    if (low < high).all():
+        return low, high
     middle = np.median(own, axis=0)
     return np.where(low < high, low, middle), np.where(low < high, high, middle)
 
@@ -200,24 +203,23 @@ def _fitted(own: Array, low: Array, high: Array) -> Array:
     return np.asarray((own - least) * scale + low)
 
 
-def along_sides(points: Array, yaw: float) -> float | None:
-    """Return another yaw at which many more points lie along the sides of their box, or None."""
-    flank = _flank(points)
+def along_sides(flank: Array, yaw: float) -> float | None:
+    """Return another yaw at which many more points of a flank lie along the sides of their box, or None."""
     if len(flank) < FEW:
         return None
     plan = flank[:, :2] - flank[:, :2].mean(axis=0)
     angle = np.append(np.radians(np.arange(0.0, 90.0, 2.0)), yaw)
-    cos, sin = np.cos(angle), np.sin(angle)
-    along = plan[:, :1] * cos + plan[:, 1:] * sin
-    across = plan[:, 1:] * cos - plan[:, :1] * sin
+    cos, sin = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    x, y = plan.T
+    along, across = cos * x + sin * y, cos * y - sin * x
     gaps = np.full(along.shape, np.inf)
     smallest, area = np.full(len(angle), np.inf), np.ones(len(angle))
     for one in (along, across):
-        low, high = np.quantile(one, [0.01, 0.99], axis=0)
-        gaps = np.minimum(gaps, np.minimum(np.abs(one - low), np.abs(high - one)))
+        low, high = np.quantile(one, [0.01, 0.99], axis=1)
+        gaps = np.minimum(gaps, np.minimum(np.abs(one - low[:, None]), np.abs(high[:, None] - one)))
         smallest, area = np.minimum(smallest, high - low), area * (high - low)
     close = np.maximum(0.1 * smallest, 0.01)
-    share = (gaps <= close).mean(axis=0)
+    share = (gaps <= close[:, None]).mean(axis=1)
     best = int(np.where(area <= LARGER * area[-1], share, 0.0).argmax())
     turned = abs((angle[best] - yaw + QUARTER / 2.0) % QUARTER - QUARTER / 2.0)
     clear = share[best] >= SIDES and share[best] >= share[-1] + CLEARLY and turned > np.radians(5.0)
@@ -232,7 +234,7 @@ def _flank(points: Array) -> Array:
     return np.asarray(some[(some[:, 2] > low + margin) & (some[:, 2] < high - margin)])
 
 
-def upright_axis(points: Array) -> tuple[Array | None, Mask]:
+def upright_axis(points: Array, flank: Array) -> tuple[Array | None, Mask]:
     """Return the upright axis that a thing is round about, (2,) metres in the plan, or None where it is not.
 
     Beside it, which points are none of such a thing: a few of its flank that are far out.
@@ -240,7 +242,6 @@ def upright_axis(points: Array) -> tuple[Array | None, Mask]:
     At each height all points of a round thing are as far from the axis; the squares of their distances from
     the origin are then linear in the plan, with a constant for each height: least squares tell the axis.
     """
-    flank = _flank(points)
     lone = np.zeros(len(points), dtype=np.bool_)
     if len(flank) < FEW:
         return None, lone

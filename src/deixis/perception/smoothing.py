@@ -1,20 +1,22 @@
 """Smoothing: the depth noise of a thing's pixels averaged away, never across a depth edge.
 
-The inverse depth of a plane is linear in pixel coordinates, whatever way the plane faces. So around each
-pixel a linear function is fitted to the inverse depths of its neighbours, by moments from running sums:
-only of those in the same mask and about as deep. Layers of depth that overlap by half take the place of
-one such choice for each pixel. What the fit says replaces what was measured, with a standard error; a
-pixel with few neighbours as deep as itself, or far from their fit, is no part of the thing.
+Around each pixel a plane is fitted to its neighbours in the same mask and about as deep, and once more to
+those of them that do not fly. Layers of depth that overlap by half take the place of one such choice for each
+pixel. What the fit says replaces what was measured, with a standard error. A pixel with few neighbours as
+deep as itself, or far from their fit, is no part of the thing.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from deixis.frames import Array, Index, Mask
+from deixis.perception.strips import Strip
 
 LAYER: Final = 8.0
 """Standard deviations of noise from the middle of a layer of depth to its ends."""
@@ -43,8 +45,10 @@ STRAY: Final = 2.5
 CURVED: Final = 0.004
 """Metres: as far from a plane as a curved thing is within a window, if there were no noise."""
 
-_RIDGE: Final = 0.05
-"""Square pixels added to a window's spread: a line of pixels has no slope across it."""
+TOGETHER: Final = 1 << 13
+"""Pixels of strips of layers that are worked on at once, about: what is made of them stays in the cache."""
+
+_OUTWARDS: Final = np.array([-1, 1, -1, 1])
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,47 +106,87 @@ def smooth(depth: Array, mask: Mask, noise: float) -> Smoothed:
     reach = max(LAYER * noise, THINNEST, SLOPE * radius * step)
     # Where two faces meet no plane fits better than to half a pixel's step.
     rough = max(noise, CURVED, 0.5 * step)
-    value = depth[mask]
-    low, high = float(value.min()), float(value.max())
+    v, u = np.nonzero(mask)
+    value = depth[v, u]
+    everywhere = np.arange(len(u))
+    crowd = Strip.of(u, v, np.zeros_like(u), _frames(u, v, everywhere[:1]), radius).crowd(everywhere)
+    inner = _inner(mask)[v, u]
+    fitted, error = np.full(len(u), np.nan), np.full(len(u), np.nan)
+    for layers in _layers(u, v, value, reach, radius):
+        pixel, own = layers.pixel, layers.own
+        strip = Strip.of(u[pixel], v[pixel], layers.layer, layers.frames, radius)
+        near, sure = value[pixel], inner[pixel]
+        fit, spread, count = strip.fit(near, sure, np.arange(len(near)))
+        # What flies drags its neighbours' fits along: once more without it, and with what fits of the border,
+        # whose depths may be half those of what is beside it. Where all is border it has to do.
+        likely = np.abs(near - fit) <= STRAY * np.sqrt(rough * rough + noise * noise * spread)
+        use = np.where(count >= FEWEST, likely, sure | (count == 0.0))
+        fit, spread, count = strip.fit(near, use, own)
+        mine = pixel[own]
+        good = (np.abs(value[mine] - fit) <= FAR_OFF * rough) & (count >= FEWEST)
+        good &= strip.crowd(own) >= SUPPORT * crowd[mine]
+        fitted[mine[good]] = fit[good]
+        error[mine[good]] = noise * np.sqrt(spread[good])
+    found = np.isfinite(fitted)
+    return Smoothed(u[found], v[found], fitted[found], error[found], int(np.count_nonzero(~found)))
+
+
+@dataclass(frozen=True, slots=True)
+class _Layers:
+    """Some layers of depth.
+
+    Attributes
+    ----------
+    pixel, layer : (n,) int
+        A pixel, by its position, and a layer that it is in, counted from 0, in rising order.
+    own : (m,) int
+        Where in these lists a pixel is in the layer whose middle it is nearest to, which decides on it.
+    frames : (k, 4) int
+        The first and last column and the first and last row of what the windows of each layer hold.
+    """
+
+    pixel: Index
+    layer: Index
+    own: Index
+    frames: Index
+
+
+def _layers(u: Index, v: Index, depth: Array, reach: float, radius: int) -> Iterator[_Layers]:
+    """Yield layers of depth, which reach so far from their middles and overlap by half, some at a time."""
+    low, high = float(depth.min()), float(depth.max())
+    every = np.arange(len(u))
+    crop = _frames(u, v, every[:1])
     if high - low <= 2.0 * reach:
-        middles = [0.5 * (low + high)]
-        half = np.inf
-    else:
-        middles = (low + reach * np.arange(int((high - low) / reach) + 1)).tolist()
-        half = 0.5 * reach
-    fitted, error = np.full(depth.shape, np.nan), np.full(depth.shape, np.nan)
-    crowd = _window_sums(mask.astype(np.float64), radius)
-    sure = _inner(mask)
-    for middle in middles:
-        own = mask & (depth >= middle - half) & (depth < middle + half)
-        if not own.any():
-            continue
-        rows, columns = np.flatnonzero(own.any(axis=1)), np.flatnonzero(own.any(axis=0))
-        part = (
-            slice(max(rows[0] - radius, 0), rows[-1] + radius + 1),
-            slice(max(columns[0] - radius, 0), columns[-1] + radius + 1),
-        )
-        near = mask[part] & (np.abs(depth[part] - middle) <= reach)
-        _fit_layer(
-            depth[part],
-            near,
-            sure[part],
-            own[part],
-            crowd[part],
-            (noise, rough),
-            radius,
-            fitted[part],
-            error[part],
-        )
-    good = mask & np.isfinite(fitted)
-    v, u = np.nonzero(good)
-    return Smoothed(
-        u,
-        v,
-        fitted[good],
-        error[good],
-        int(np.count_nonzero(mask) - len(u)),
-    )
+        yield _Layers(every, np.zeros_like(u), every, crop)
+        return
+    level = (depth - low) / reach
+    below, last = np.floor(level).astype(np.int64), int(level.max())
+    nearest = np.minimum(np.floor(level + 0.5).astype(np.int64), last)
+    pixel, layer = np.r_[every, every], np.r_[below, below + 1]
+    order = np.argsort(layer, kind="stable")
+    pixel, layer = pixel[order], layer[order]
+    own = layer == nearest[pixel]
+    known, start = np.unique(layer[own], return_index=True)
+    frames = _frames(u[pixel[own]], v[pixel[own]], start)
+    # As far as windows reach, and no further than there is anything.
+    frames = np.clip(frames + radius * _OUTWARDS, crop[:, [0, 0, 2, 2]], crop[:, [1, 1, 3, 3]])
+    rank = np.full(int(layer[-1]) + 1, -1)
+    rank[known] = np.arange(len(known))
+    layer = rank[layer]
+    left, right, top, bottom = frames[layer].T
+    keep = (layer >= 0) & (u[pixel] >= left) & (u[pixel] <= right) & (v[pixel] >= top) & (v[pixel] <= bottom)
+    pixel, layer, own = pixel[keep], layer[keep], own[keep]
+    size = (frames[:, 1] - frames[:, 0] + radius) * (frames[:, 3] - frames[:, 2] + 2 * radius)
+    bounds = np.flatnonzero(np.diff(np.cumsum(size) // TOGETHER, prepend=-1))
+    for first, last in pairwise([*bounds.tolist(), len(frames)]):
+        part = slice(*np.searchsorted(layer, [first, last]))
+        yield _Layers(pixel[part], layer[part] - first, np.flatnonzero(own[part]), frames[first:last])
+
+
+def _frames(u: Index, v: Index, start: Index) -> Index:
+    """Return the first and last column and row of some runs of pixels, (k, 4), by where each run starts."""
+    ends = [ufunc.reduceat(one, start) for one in (u, v) for ufunc in (np.minimum, np.maximum)]
+    return np.stack(ends, axis=1)
 
 
 def _step(depth: Array, mask: Mask, noise: float) -> float:
@@ -159,88 +203,7 @@ def _step(depth: Array, mask: Mask, noise: float) -> float:
 
 
 def _inner(mask: Mask) -> Mask:
-    """Return the pixels of a mask without its border, whose depths may be half those of what is beside it."""
+    """Return the pixels of a mask without its border."""
     from scipy.ndimage import minimum_filter
 
     return np.asarray(minimum_filter(mask, 3, mode="constant", cval=False))
-
-
-def _fit_layer(
-    depth: Array,
-    near: Mask,
-    sure: Mask,
-    own: Mask,
-    crowd: Array,
-    noises: tuple[float, float],
-    radius: int,
-    fitted: Array,
-    error: Array,
-) -> None:
-    """Write the fits of a layer's own pixels into the last two arrays; leave out what is not supported.
-
-    Pixels of the border have a part in a fit only where they agree with one without them. The noises are
-    that of the depths, and that with what a plane cannot follow.
-    """
-    noise, floor = noises
-    support = _window_sums(near.astype(np.float64), radius)
-    inner = near & sure
-    fit, spread, count = _plane_fit(depth, inner, radius)
-    # What flies drags its neighbours' fits along: once more without it, and with what fits of the border.
-    known = count >= FEWEST
-    likely = np.abs(depth - fit) <= STRAY * np.sqrt(floor * floor + noise * noise * spread)
-    use = near & np.where(known, likely, inner | ~_grown(inner, radius))
-    fit, spread, count = _plane_fit(depth, use, radius)
-    good = own & (np.abs(depth - fit) <= FAR_OFF * floor) & (count >= FEWEST) & (support >= SUPPORT * crowd)
-    fitted[good] = fit[good]
-    error[good] = noise * np.sqrt(spread[good])
-
-
-def _grown(mask: Mask, radius: int) -> Mask:
-    from scipy.ndimage import maximum_filter
-
-    return np.asarray(maximum_filter(mask, 2 * radius + 1, mode="constant", cval=False))
-
-
-def _window_sums(images: Array, radius: int) -> Array:
-    """Return the sums over square windows around each pixel of some images; beyond the border is nothing."""
-    *many, rows, columns = images.shape
-    size = 2 * radius + 1
-    # Down the columns row is added to row, for as many rows as a window has; along them by running sums.
-    padded = np.zeros((*many, rows + 2 * radius, columns + size))
-    padded[..., radius : radius + rows, radius + 1 : radius + 1 + columns] = images
-    tall = padded[..., :rows, :].copy()
-    for down in range(1, size):
-        tall += padded[..., down : down + rows, :]
-    np.cumsum(tall, axis=-1, out=tall)
-    return np.asarray(tall[..., size:] - tall[..., :columns])
-
-
-def _plane_fit(depth: Array, near: Mask, radius: int) -> tuple[Array, Array, Array]:
-    """Return the fitted depth, its variance in units of the noise's, and the number of pixels used."""
-    rows, columns = depth.shape
-    x = np.arange(columns) - 0.5 * (columns - 1)
-    y = (np.arange(rows) - 0.5 * (rows - 1))[:, None]
-    weight = near.astype(np.float64)
-    inverse = np.divide(1.0, depth, out=np.zeros_like(depth), where=near)
-    level = float(inverse.sum() / max(np.count_nonzero(near), 1))
-    # Less its mean, so that sums of squares lose no digits.
-    inverse -= level * weight
-    wx, wy = weight * x, weight * y
-    sums = _window_sums(
-        np.stack([weight, wx, wy, wx * x, wx * y, wy * y, inverse, inverse * x, inverse * y]), radius
-    )
-    count = np.rint(sums[0])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        mx, my, xx, xy, yy, mq, xq, yq = (one / count for one in sums[1:])
-        xx += _RIDGE - mx * mx
-        yy += _RIDGE - my * my
-        xy -= mx * my
-        xq -= mx * mq
-        yq -= my * mq
-        dx, dy = x - mx, y - my
-        scale = xx * yy - xy * xy
-        # Row of the inverse of the spread times where the pixel is off the window's middle.
-        px, py = (yy * dx - xy * dy) / scale, (xx * dy - xy * dx) / scale
-        fit = 1.0 / (level + mq + px * xq + py * yq)
-        spread = (1.0 + px * dx + py * dy) / count
-    return fit, spread, count

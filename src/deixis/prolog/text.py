@@ -86,11 +86,13 @@ def _facts(
 ) -> Iterator[str]:
     """Yield each base fact, without its full stop."""
     table = _Table(facts, list(map(atom if readable else id_atom, facts.ids)), readable)
+    volumes = np.round(facts.volume, SNAP_DECIMALS).tolist()
     for name, is_surface, ranked in zip(table.ids, facts.surface.tolist(), facts.labels, strict=True):
         yield f"spatial_obj({name})"
         if is_surface:
             yield f"surface({name})"
         yield from (f"label({name},{atom(label)},{number(float(score))})" for label, score in ranked)
+    yield from (f"box_volume({name},{number(size)})" for name, size in zip(table.ids, volumes, strict=True))
     yield from (f"measured_as({name},{model})" for name, model in zip(table.ids, facts.models, strict=True))
     yield from (f"viewpoint({atom(view.view)})" for view in facts.views if view.view != WORLD)
     yield from (f"view_label({atom(view)},{atom(label)})" for view, label in views)

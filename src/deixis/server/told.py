@@ -208,6 +208,7 @@ class MoveTold(BaseModel):
     offset: list[float] = Field(description="Metres along x, y, z.")
     distance: float
     holds: bool = Field(description="Whether the relation holds after it.")
+    collides: list[str] = Field(description="Things that it would then share space with, and does not now.")
 
 
 class ChangeTold(BaseModel):
