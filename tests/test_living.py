@@ -126,7 +126,7 @@ def change(draw: random.Random, now: Scene, step: int) -> dict[str, Any]:
 
 
 def follow(steps: int, draw: random.Random, like: KnowledgeBase, every: int) -> None:
-    """Compare after each of some random updates with a full run by arrays, or every so often by the database."""
+    """Compare after each random update with a full run, by arrays or every so often by the database."""
     things = [
         box(f"o{at}", (draw.uniform(-1, 1), draw.uniform(-1, 1), 0.1), (0.2, 0.2, 0.2)) for at in range(8)
     ]
