@@ -166,11 +166,6 @@ class PairColumns:
         """Return the rows at the given positions."""
         return PairColumns(*(getattr(self, name).take(rows, axis=0) for name in self.__slots__))
 
-    def joined(self, more: PairColumns) -> PairColumns:
-        """Return these rows followed by more."""
-        columns = ((getattr(self, name), getattr(more, name)) for name in self.__slots__)
-        return PairColumns(*(np.concatenate(both) for both in columns))
-
 
 @dataclass(frozen=True)
 class Facts:

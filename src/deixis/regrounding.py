@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from itertools import compress
 from operator import is_not
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from deixis.boxes import Boxes, align_with_world
 from deixis.broadphase import candidates_of
@@ -170,7 +172,7 @@ def _alike(one: Region, other: Region) -> bool:
 
 
 def _pairs(facts: Facts, after: Scene, change: _Change) -> tuple[PairColumns, Index]:
-    """Return the pair table of now, and where each row is from: a row of before, or one beyond them."""
+    """Return the pair table of now, and the row each was before, -1 for those measured anew."""
     old, boxes, limits = facts.pairs, after.boxes, after.thresholds
     figure, reference = old.figure, old.reference
     if change.told is None:
@@ -182,9 +184,20 @@ def _pairs(facts: Facts, after: Scene, change: _Change) -> tuple[PairColumns, In
     new = measure_scene_pairs(after, *candidates, facts.region)
     n = max(len(boxes), 1)
     keys = np.concatenate([(figure * n + reference)[kept], new.figure * n + new.reference])
-    order = np.argsort(keys, kind="stable")
-    source = np.concatenate([kept, np.arange(len(old.figure), len(old.figure) + len(new.figure))])[order]
-    return replace(old, figure=figure, reference=reference).joined(new).at(source), source
+    source = np.concatenate([kept, np.full(len(new.figure), -1)])[np.argsort(keys, kind="stable")]
+    known = replace(old, figure=figure, reference=reference)
+    at = np.flatnonzero(source < 0)
+    columns = (_patched(getattr(known, name), source, at, getattr(new, name)) for name in known.__slots__)
+    return PairColumns(*columns), source
+
+
+def _patched(old: NDArray[Any], source: Index, at: Index, new: NDArray[Any]) -> NDArray[Any]:
+    """Return rows of old, one for each source, but at some places the new ones: each row is copied once."""
+    if not len(old):
+        return new
+    result = old.take(source, axis=0, mode="clip")
+    result[at] = new
+    return result
 
 
 def _again(
@@ -207,13 +220,13 @@ def _again(
         Of :func:`_pairs`.
     """
     rows = np.flatnonzero(base.ordered if seen is None else base.ordered & seen[base.reference])
-    place = np.full(int(max(source.max(initial=-1), old.rows.max(initial=-1))) + 1, -1)
+    # A source of -1 reads the last place, which is -1 too.
+    place = np.full(int(max(source.max(initial=-1), old.rows.max(initial=-1))) + 2, -1)
     place[old.rows] = np.arange(len(old.rows))
     where = place[source[rows]]
     fresh = np.flatnonzero(where < 0)
-    where[fresh] = np.arange(len(old.rows), len(old.rows) + len(fresh))
     relaxed, strict = scene_meets_halfspaces(after, framed, base, rows[fresh])
-    relaxed = np.concatenate([old.int_hs, relaxed]).take(where, axis=0)
-    strict = np.concatenate([old.cont_hs, strict]).take(where, axis=0)
+    relaxed = _patched(old.int_hs, where, fresh, relaxed)
+    strict = _patched(old.cont_hs, where, fresh, strict)
     every = np.ones(len(after.objects), dtype=np.bool_) if seen is None else seen
     return view_facts(old.view, after.boxes, rows, relaxed, strict, every, tie)
