@@ -1,0 +1,57 @@
+"""The same work on a Ray cluster: Ray Data schedules, and does again what was on a machine that is gone."""
+
+from __future__ import annotations
+
+import logging
+import multiprocessing
+import os
+import pickle
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from functools import cache, partial
+from typing import Any, Final
+
+from pebble import ProcessExpired, ProcessPool
+
+from deixis.batch.folder import Counts
+from deixis.batch.sources import Shard
+from deixis.batch.work import Work
+from deixis.errors import MissingDependency
+
+try:
+    import ray
+    import ray.data
+except ModuleNotFoundError as cause:
+    raise MissingDependency(f"--engine ray needs {cause.name}: pip install 'deixis[ray]'") from None
+
+_BLOCKS: Final = 4096
+"""The most tasks; each has several shards where there are more."""
+
+
+def each(work: Work, left: Sequence[Shard]) -> Iterator[Counts]:
+    """Yield what became of each shard.
+
+    The cluster is the one this process is connected to, else that of RAY_ADDRESS, else one on this machine.
+    """
+    if not ray.is_initialized():
+        os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
+        ray.init(include_dashboard=False, log_to_driver=False, logging_level=logging.WARNING)
+    items = [{"shard": pickle.dumps(one)} for one in left]
+    data = ray.data.from_items(items, override_num_blocks=min(len(items), _BLOCKS))
+    for found in data.map(partial(_on_worker, work)).iter_rows():
+        yield Counts(**found)
+
+
+def _on_worker(work: Work, row: dict[str, Any]) -> dict[str, int]:
+    """Do a shard on a worker of the cluster, in a process that may be ended instead of the worker's own."""
+    shard = pickle.loads(row["shard"])  # noqa: S301 - from `each`
+    pool = _pool()
+    try:
+        return asdict(work.start(pool, shard).result())
+    except ProcessExpired:
+        return asdict(work.alone(pool, shard))
+
+
+@cache
+def _pool() -> ProcessPool:
+    return ProcessPool(1, context=multiprocessing.get_context("spawn"))
