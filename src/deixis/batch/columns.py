@@ -109,7 +109,8 @@ class Columns:
     def batch(self) -> pa.RecordBatch:
         """Return all rows."""
         if not self._parts:
-            return pa.RecordBatch.from_arrays([pa.array([], field.type) for field in RELATIONS], RELATIONS)
+            nothing = [pa.array([], field.type) for field in RELATIONS]
+            return pa.RecordBatch.from_arrays(nothing, schema=RELATIONS)
         scene, number, figure, reference, view, margin, uncertain = map(
             np.concatenate, zip(*self._parts, strict=True)
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import multiprocessing
 import os
 import pickle
 from collections.abc import Iterator, Sequence
@@ -11,9 +10,8 @@ from dataclasses import asdict
 from functools import cache, partial
 from typing import Any, Final
 
-from pebble import ProcessExpired, ProcessPool
-
 from deixis.batch.folder import Counts
+from deixis.batch.processes import Processes
 from deixis.batch.sources import Shard
 from deixis.batch.work import Work
 from deixis.errors import MissingDependency
@@ -38,20 +36,20 @@ def each(work: Work, left: Sequence[Shard]) -> Iterator[Counts]:
         ray.init(include_dashboard=False, log_to_driver=False, logging_level=logging.WARNING)
     items = [{"shard": pickle.dumps(one)} for one in left]
     data = ray.data.from_items(items, override_num_blocks=min(len(items), _BLOCKS))
-    for found in data.map(partial(_on_worker, work)).iter_rows():
-        yield Counts(**found)
+    found = data.map(partial(_on_worker, work))
+    found.context.enable_progress_bars = False
+    for counts in found.iter_rows():
+        yield Counts(**counts)
 
 
 def _on_worker(work: Work, row: dict[str, Any]) -> dict[str, int]:
     """Do a shard on a worker of the cluster, in a process that may be ended instead of the worker's own."""
     shard = pickle.loads(row["shard"])  # noqa: S301 - from `each`
-    pool = _pool()
-    try:
-        return asdict(work.start(pool, shard).result())
-    except ProcessExpired:
-        return asdict(work.alone(pool, shard))
+    (counts,) = work.each(_processes(), [shard])
+    return asdict(counts)
 
 
 @cache
-def _pool() -> ProcessPool:
-    return ProcessPool(1, context=multiprocessing.get_context("spawn"))
+def _processes() -> Processes:
+    """Return the one of this worker; it ends with it, since it then has nobody to work for."""
+    return Processes(1)

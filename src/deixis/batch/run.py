@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, wait
 from dataclasses import replace
-from itertools import islice
 from pathlib import Path
 from typing import Final, Literal
 
-from pebble import ProcessExpired, ProcessPool
-
 from deixis.batch.folder import Counts, Folder
+from deixis.batch.processes import Processes
 from deixis.batch.relate import Relate
 from deixis.batch.sources import Shard, files, shards
 from deixis.batch.work import Work
@@ -26,9 +22,6 @@ SHARD: Final = 128
 
 LIMIT: Final = 60.0
 """Seconds that a scene may take."""
-
-_AHEAD: Final = 4
-"""Shards for each process that are ready for it."""
 
 
 def run(
@@ -96,37 +89,16 @@ def run(
 
 
 def _each(engine: Engine, work: Work, left: Sequence[Shard], workers: int) -> Iterator[Counts]:
+    """Yield what became of each shard that is left."""
     if not left:
-        return iter(())
+        return
     if engine == "ray":
         from deixis.batch.on_ray import each
 
-        return each(work, left)
-    return _here(work, left, workers)
-
-
-def _here(work: Work, left: Sequence[Shard], workers: int) -> Iterator[Counts]:
-    """Yield what became of each shard, done by processes of this machine."""
-    # Started anew: what threads of this process hold must not be copied.
-    with ProcessPool(workers, context=multiprocessing.get_context("spawn")) as pool:
-        try:
-            todo = iter(left)
-            begun = {work.start(pool, one): one for one in islice(todo, _AHEAD * workers)}
-            ended = []
-            while begun:
-                for future in wait(begun, return_when=FIRST_COMPLETED).done:
-                    shard = begun.pop(future)
-                    begun |= {work.start(pool, one): one for one in islice(todo, 1)}
-                    try:
-                        yield future.result()
-                    except ProcessExpired:
-                        # Last of all: the others need not wait for what hangs.
-                        ended.append(shard)
-            for shard in ended:
-                yield work.alone(pool, shard)
-        except BaseException:
-            pool.stop()  # type: ignore[no-untyped-call]
-            raise
+        yield from each(work, left)
+    else:
+        with Processes(min(workers, len(left))) as processes:
+            yield from work.each(processes, left)
 
 
 def _whole(name: str) -> str:

@@ -93,7 +93,7 @@ class Part:
             file.seek(self.start)
             for number in range(self.first, self.first + self.count):
                 line, _ = _line(file)
-                if line.strip():
+                if line.strip() or len(line) > MAX_FILE_BYTES:
                     yield Row(f"{self.source}:{number}", line, self.file)
 
     def _rows(self) -> Iterator[Row]:

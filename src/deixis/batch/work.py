@@ -1,19 +1,19 @@
-"""Shards done in processes that may be ended: a scene that hangs, or breaks its process, costs no other."""
+"""What is done with a shard, in a process that may end: a scene that hangs or breaks it costs no other."""
 
 from __future__ import annotations
 
 import signal
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
 import pyarrow as pa
-from pebble import ProcessExpired, ProcessPool
 
+from deixis.batch.columns import Columns
 from deixis.batch.folder import Counts, Folder
+from deixis.batch.processes import Ended, Processes
 from deixis.batch.relate import Relate, refusals
 from deixis.batch.schema import ERRORS, RELATIONS
 from deixis.batch.sources import Refused, Shard
@@ -44,47 +44,55 @@ class Work:
     folder: Folder
     limit: float
 
-    def start(self, pool: ProcessPool, shard: Shard) -> Future[Counts]:
-        """Have a shard done by a process of a pool."""
-        begun: Future[Counts] = pool.schedule(_shard, args=(self, shard))
-        return begun
+    def each(self, processes: Processes, shards: Sequence[Shard]) -> Iterator[Counts]:
+        """Yield what became of each shard, as it comes.
 
-    def alone(self, pool: ProcessPool, shard: Shard) -> Counts:
-        """Do a shard whose process ended, each scene by itself, once.
-
-        One that ends its process again, or takes longer than the limit, is refused; the others are as if it
-        had not been there.
+        Where a process ended, the scenes of its shard are done each by itself, once, when nothing else is
+        left to do: one that ends its process again, or takes longer than the limit, is refused, and the
+        others are as if it had not been there.
         """
-        scenes, unread = shard.read()
-        ones = [scenes.slice(at, 1) for at in range(len(scenes))]
-        begun = [pool.schedule(_scene, args=(self, one)) for one in ones]
-        found: list[Found] = []
-        lost = list(unread)
-        for one, future in zip(ones, begun, strict=True):
-            try:
-                found.append(future.result())
-            except ProcessExpired as end:
-                lost.append(self._lost(one, end))
-        return self.written(shard, found, lost, len(scenes) + len(unread))
+        ended: list[Shard] = []
+        for one in processes.each(self.shard, shards):
+            if isinstance(one, Ended):
+                ended.append(one.item)
+            else:
+                yield one
+        for shard in ended:
+            yield self.scenes(processes, shard)
 
-    def _lost(self, scene: pa.RecordBatch, end: ProcessExpired) -> Refused:
+    def shard(self, shard: Shard) -> Counts:
+        """Do a shard in this process, which ends where a scene takes too long."""
+        scenes, unread = shard.read()
+        return self._written(shard, [self._found(scenes)], unread, len(scenes))
+
+    def scenes(self, processes: Processes, shard: Shard) -> Counts:
+        """Do a shard scene by scene; what ends its process is refused."""
+        scenes, unread = shard.read()
+        ones = [(at, scenes.slice(at, 1)) for at in range(len(scenes))]
+        found: dict[int, Found] = {}
+        for one in processes.each(self.scene, ones):
+            if isinstance(one, Ended):
+                at, scene = one.item
+                found[at] = Columns({}).batch(), refusals([self._lost(scene, one.code)])
+            else:
+                at, told = one
+                found[at] = told
+        return self._written(shard, [found[at] for at in sorted(found)], unread, len(scenes))
+
+    def scene(self, numbered: tuple[int, pa.RecordBatch]) -> tuple[int, Found]:
+        """Do one scene in this process, which ends where it takes too long."""
+        at, scene = numbered
+        return at, self._found(scene)
+
+    def _lost(self, scene: pa.RecordBatch, code: int) -> Refused:
         (source,) = scene.column("source").to_pylist()
-        if end.exitcode == _LATE:
+        if code == _LATE:
             reason = f"it took longer than {self.limit:g} s: allow more with --limit"
             return Refused(source, QueryTimeout.__name__, reason)
-        reason = f"its process, alone with it, ended with code {end.exitcode}"
+        reason = f"its process, which did nothing else, ended with code {code}"
         return Refused(source, EngineError.__name__, reason)
 
-    def written(
-        self, shard: Shard, found: Sequence[Found], refused: Sequence[Refused], scenes: int
-    ) -> Counts:
-        """Write what was found in the scenes of a shard, and what of it could not be looked at."""
-        relations = pa.Table.from_batches([some for some, _ in found], RELATIONS)
-        errors = pa.Table.from_batches([*(some for _, some in found), refusals(refused)], ERRORS)
-        return self.folder.write(shard.number, scenes, relations, errors)
-
-    def relations(self, scenes: pa.RecordBatch) -> Found:
-        """Return the relations of scenes, or end this process where one of them takes too long."""
+    def _found(self, scenes: pa.RecordBatch) -> Found:
         return _kept(self.relate)(scenes, self._watched)
 
     @contextmanager
@@ -96,16 +104,14 @@ class Work:
         finally:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
 
-
-def _shard(work: Work, shard: Shard) -> Counts:
-    """Do a shard, in a process of its own."""
-    scenes, unread = shard.read()
-    return work.written(shard, [work.relations(scenes)], unread, len(scenes) + len(unread))
-
-
-def _scene(work: Work, scene: pa.RecordBatch) -> Found:
-    """Do one scene, in a process of its own."""
-    return work.relations(scene)
+    def _written(
+        self, shard: Shard, found: Sequence[Found], unread: Sequence[Refused], scenes: int
+    ) -> Counts:
+        relations = pa.Table.from_batches([some for some, _ in found], RELATIONS)
+        # The same bytes, whether the scenes were done together or each by itself.
+        relations = relations.unify_dictionaries().combine_chunks()
+        errors = pa.Table.from_batches([*(some for _, some in found), refusals(unread)], ERRORS)
+        return self.folder.write(shard.number, scenes + len(unread), relations, errors)
 
 
 @cache
