@@ -6,6 +6,7 @@ changed for a good reason, ``DEIXIS_BLESS=1 pytest tests/test_readme.py`` writes
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import subprocess
@@ -18,7 +19,7 @@ import pytest
 import deixis.cli.words  # noqa: F401 - adds its commands
 from commands import run
 from deixis import Scene
-from deixis.cli import live, maps, questions, view, words  # noqa: F401 - they add their commands
+from deixis.cli import batch, live, maps, questions, view, words  # noqa: F401 - they add their commands
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from endpoint import serving
@@ -88,6 +89,23 @@ def test_the_map_tells_what_the_readme_shows(root: Path, tmp_path: Path) -> None
     results = [run(*shlex.split(line)[1:], cwd=tmp_path) for line in block["text"].splitlines()]
     assert {result.code for result in results} == {0}
     check(shown_after(block), "".join(result.out for result in results).expandtabs())
+
+
+def test_the_data_set_tells_what_the_readme_shows(root: Path, tmp_path: Path) -> None:
+    (block,) = (one for one in blocks("bash") if one["text"].startswith("deixis batch"))
+    (tmp_path / "kb").symlink_to(root / "kb")
+    path = os.pathsep.join((str(Path(sys.executable).parent), os.environ["PATH"]))
+    done = subprocess.run(
+        ["sh", "-e", "-c", block["text"]],
+        cwd=tmp_path,
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "deixis: relations: 4 scenes, 1,500 relations\n")
+    check(shown_after(block), done.stdout.replace("\n\n", "\n"))
 
 
 def test_postgis_measures_what_the_readme_shows(root: Path) -> None:
