@@ -67,9 +67,9 @@ def files(folder: Path) -> dict[str, bytes]:
 
 
 def test_a_cluster_gives_the_same_also_when_a_worker_is_ended(cluster: str, tmp_path: Path) -> None:
-    every = rooms(40, 8)
-    place = as_lines(tmp_path / "rooms.jsonl", [*every[:11], crowd(), b"garbage", *every[11:]])
-    here = run([place], tmp_path / "here", Relate(), limit=4.0, shard=3, workers=2)
+    every = rooms(22, 8)
+    place = as_lines(tmp_path / "rooms.jsonl", [*every[:7], crowd(), b"garbage", *every[7:]])
+    here = run([place], tmp_path / "here", Relate(), limit=3.0, shard=3, workers=2)
     ended: list[int] = []
 
     def end_one(done: Counts, total: int) -> None:
@@ -78,11 +78,11 @@ def test_a_cluster_gives_the_same_also_when_a_worker_is_ended(cluster: str, tmp_
             for worker in ended:
                 os.kill(worker, signal.SIGKILL)
 
-    there = run([place], tmp_path / "there", Relate(), limit=4.0, shard=3, engine="ray", progress=end_one)
+    there = run([place], tmp_path / "there", Relate(), limit=3.0, shard=3, engine="ray", progress=end_one)
     assert len(ended) == 1
-    assert there == here == Counts(42, here.relations, 2)
+    assert there == here == Counts(24, here.relations, 2)
     assert files(tmp_path / "here") == files(tmp_path / "there")
-    assert len(files(tmp_path / "there")) == 2 * 14
+    assert len(files(tmp_path / "there")) == 2 * 8
 
 
 def test_a_cluster_goes_on_where_this_machine_was(cluster: str, tmp_path: Path) -> None:

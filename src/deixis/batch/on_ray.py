@@ -34,6 +34,8 @@ def each(work: Work, left: Sequence[Shard]) -> Iterator[Counts]:
     if not ray.is_initialized():
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
         ray.init(include_dashboard=False, log_to_driver=False, logging_level=logging.WARNING)
+    # What it says of its plans is for those who write them.
+    logging.getLogger("ray.data").setLevel(logging.ERROR)
     items = [{"shard": pickle.dumps(one)} for one in left]
     data = ray.data.from_items(items, override_num_blocks=min(len(items), _BLOCKS))
     found = data.map(partial(_on_worker, work))
