@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import duckdb
+import numpy as np
 import pyarrow as pa
 import pyarrow.dataset
 import pyarrow.parquet as pq
@@ -266,6 +267,7 @@ def test_a_folder_holds_scenes_of_any_format(tmp_path: Path, root: Path) -> None
         (lambda place: pq.write_table(pa.table({"text": ["{}"]}), place), "no column scene"),
         (lambda place: pq.write_table(pa.table({"scene": [1]}), place), "is int64"),
         (lambda place: place.write_bytes(b"PAR1 and no more"), "is no Parquet file"),
+        (lambda place: pq.write_table(RELATIONS.empty_table(), place), "holds relations"),
     ],
 )
 def test_what_is_no_data_set_is_refused(tmp_path: Path, make: Callable[[Path], object], said: str) -> None:
@@ -410,6 +412,13 @@ def test_other_folders_are_left_alone(tmp_path: Path) -> None:
         batch([place], tmp_path / "file", Relate(relations=("near",)))
 
 
+def test_what_was_written_is_not_read_again(tmp_path: Path) -> None:
+    as_lines(tmp_path / "rooms.jsonl", rooms(3, 8))
+    out = tmp_path / "out"
+    for _ in range(2):
+        assert batch([tmp_path], out, Relate(relations=("near",)), workers=1).scenes == 3
+
+
 def test_a_broken_part_names_itself(tmp_path: Path) -> None:
     place, out = as_lines(tmp_path / "rooms.jsonl", rooms(3, 8)), tmp_path / "out"
     batch([place], out, Relate(relations=("near",)), workers=1)
@@ -455,3 +464,59 @@ def test_the_command_says_what_became_of_it(tmp_path: Path) -> None:
     assert re.fullmatch(pattern, result.err)
     assert call("batch", tmp_path / "none", "-o", tmp_path / "out").code == 2
     assert call("batch", place, "-o", tmp_path / "other", "--rules", "nowhere.pl").code == 2
+
+
+@pytest.mark.parametrize(("module", "options"), [("pyarrow", []), ("ray", ["--engine", "ray"])])
+def test_what_is_not_installed_is_named(tmp_path: Path, module: str, options: list[str]) -> None:
+    place = as_lines(tmp_path / "rooms.jsonl", rooms(1, 8))
+    script = f"import sys; sys.modules[{module!r}] = None\nfrom deixis.cli import main\nsys.exit(main())"
+    command = [sys.executable, "-c", script, "batch", place, "-o", tmp_path / "out", *options]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    extra = "batch" if module == "pyarrow" else "ray"
+    assert done.returncode == 2
+    assert f"pip install 'deixis[{extra}]'" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+# All of it, large
+
+
+@pytest.mark.long
+def test_fifteen_hundred_rooms_one_that_hangs_and_one_that_is_garbage(tmp_path: Path) -> None:
+    """Killed half way and started again: each room once, and as it is alone."""
+    every = rooms(1500)
+    place = as_lines(tmp_path / "rooms.jsonl", [*every[:700], crowd(), b"garbage", *every[700:]])
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "deixis", "batch", place, "-o", out, "--limit", "5"]
+    running = subprocess.Popen(command)
+    while running.poll() is None and len(list((out / "_errors").glob("*.parquet"))) < 5:
+        time.sleep(0.05)
+    running.kill()
+    assert running.wait() == -signal.SIGKILL
+    done = batch([place], out, Relate(), limit=5.0)
+    relations, errors = found(out)
+    numbers = [*range(1, 701), *range(703, 1503)]
+    alone = [(f"{place}:{at}", Scene.from_dict(one)) for at, one in zip(numbers, every, strict=True)]
+    assert rows(relations) == one_by_one(alone)
+    assert done == Counts(1502, relations.num_rows, 2)
+    assert sorted(errors["kind"].to_pylist()) == ["QueryTimeout", "SceneError"]
+
+
+@pytest.mark.long
+def test_whatever_is_ended_whenever_each_scene_is_told_once(tmp_path: Path) -> None:
+    place = as_lines(tmp_path / "rooms.jsonl", rooms(300))
+    done: list[Counts] = []
+    working = threading.Thread(
+        target=lambda: done.append(batch([place], tmp_path / "out", Relate(), shard=10))
+    )
+    working.start()
+    chance = np.random.default_rng(0)
+    while working.is_alive():
+        time.sleep(chance.uniform(0.0, 3.0))
+        for child in multiprocessing.active_children()[:1]:
+            child.kill()
+    relations, errors = found(tmp_path / "out")
+    told = [*dict.fromkeys(relations["source"].to_pylist()), *errors["source"].to_pylist()]
+    assert sorted(told) == sorted(f"{place}:{at}" for at in range(1, 301))
+    assert set(errors["kind"].to_pylist()) <= {"EngineError"}
+    assert done == [Counts(300, relations.num_rows, errors.num_rows)]

@@ -121,16 +121,20 @@ def _manifest(given: Mapping[Path, str], relate: Relate, limit: float, shard: in
     """Return what the result rests on; what is long as a digest."""
     states = [(source, place.stat()) for place, source in given.items()]
     inputs = [[source, state.st_size, state.st_mtime_ns] for source, state in states]
-    rules = [place.read_text(encoding="utf-8", errors="replace") for place in relate.rule_files]
     options = asdict(relate) | {"limit": limit, "shard": shard}
     # Where the rules lie is no matter, but what they say.
-    options["rules"] = _digest(rules)
+    options["rules"] = rules_digest(relate)
     return {
         "deixis": version("deixis"),
         "options": json.loads(json.dumps(options)),
         "files": len(inputs),
         "inputs": _digest(inputs),
     }
+
+
+def rules_digest(relate: Relate) -> str:
+    """Return what is another text when the rule files of one's own say something else."""
+    return _digest([place.read_text(encoding="utf-8", errors="replace") for place in relate.rule_files])
 
 
 def _digest(value: Sequence[Any]) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final, Literal
 
-from deixis.batch.folder import Counts, Folder
+from deixis.batch.folder import Counts, Folder, rules_digest
 from deixis.batch.processes import Processes
 from deixis.batch.relate import Relate
 from deixis.batch.sources import Shard, files, shards
@@ -74,7 +74,8 @@ def run(
     """
     relate = replace(relate, rules=tuple(map(_whole, relate.rules)))
     relate.ready()
-    given, folder = files(places), Folder(target.resolve())
+    folder = Folder(target.resolve())
+    given = files(places, folder.path)
     folder.begin(given, relate, limit, shard)
     every = list(shards(given, shard))
     states = [folder.done(one.number) for one in every]
@@ -82,7 +83,7 @@ def run(
     total = sum(map(len, every))
     progress(done, total)
     left = [one for one, state in zip(every, states, strict=True) if state is None]
-    for counts in _each(engine, Work(relate, folder, limit), left, workers):
+    for counts in _each(engine, Work(relate, folder, limit, rules_digest(relate)), left, workers):
         done += counts
         progress(done, total)
     return done

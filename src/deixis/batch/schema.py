@@ -7,14 +7,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from deixis.errors import MissingDependency
-
-try:
-    import pyarrow as pa
-except ModuleNotFoundError as cause:
-    if cause.name != "pyarrow":
-        raise
-    raise MissingDependency("data sets need pyarrow: pip install 'deixis[batch]'") from None
+import pyarrow as pa
 
 
 def _field(name: str, kind: pa.DataType, says: str, *, null: bool = False) -> pa.Field:

@@ -12,7 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from deixis import readers
-from deixis.batch.schema import SCENES
+from deixis.batch.schema import RELATIONS, SCENES
 from deixis.errors import ReaderError
 from deixis.strict_json import MAX_FILE_BYTES, quoted
 
@@ -149,8 +149,14 @@ class Shard:
         return pa.RecordBatch.from_arrays(arrays, schema=SCENES), refused
 
 
-def files(places: Sequence[Path]) -> dict[Path, str]:
+def files(places: Sequence[Path], target: Path | None = None) -> dict[Path, str]:
     """Return the files to read, each with what it is called: those given, and by name those in folders given.
+
+    Parameters
+    ----------
+    places : sequence of Path
+    target : Path, optional
+        A folder that is passed by: what is written there is not read again.
 
     Raises
     ------
@@ -160,7 +166,8 @@ def files(places: Sequence[Path]) -> dict[Path, str]:
     found: dict[Path, str] = {}
     for place in places:
         if place.is_dir():
-            inside = sorted(one for one in place.rglob("*") if one.suffix in ENDINGS and one.is_file())
+            named = (one for one in place.rglob("*") if one.suffix in ENDINGS and one.is_file())
+            inside = sorted(one for one in named if target not in one.resolve().parents)
             if not inside:
                 raise ReaderError(
                     f"{quoted(str(place), 200)} holds no scenes: give files that end in {', '.join(ENDINGS)}"
@@ -249,6 +256,8 @@ def _row_parts(source: str, place: Path, size: int) -> Iterator[Part]:
 
 def _check_columns(source: str, schema: pa.Schema) -> None:
     """Raise :class:`ReaderError` unless a Parquet file has scenes as text."""
+    if set(RELATIONS.names) <= set(schema.names):
+        raise ReaderError(f"{quoted(source, 200)} holds relations, not scenes: leave it out")
     if schema.names.count("scene") != 1:
         has = ", ".join(map(quoted, schema.names[:9]))
         raise ReaderError(f"{quoted(source, 200)} has no column scene: scenes are JSON in it; it has {has}")

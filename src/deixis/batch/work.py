@@ -38,11 +38,14 @@ class Work:
         Where it is written; all who work see it.
     limit : float
         Seconds that a scene may take.
+    rules : str
+        What is another when the rule files are.
     """
 
     relate: Relate
     folder: Folder
     limit: float
+    rules: str = ""
 
     def each(self, processes: Processes, shards: Sequence[Shard]) -> Iterator[Counts]:
         """Yield what became of each shard, as it comes.
@@ -93,7 +96,7 @@ class Work:
         return Refused(source, EngineError.__name__, reason)
 
     def _found(self, scenes: pa.RecordBatch) -> Found:
-        return _kept(self.relate)(scenes, self._watched)
+        return _kept(self.relate, self.rules)(scenes, self._watched)
 
     @contextmanager
     def _watched(self) -> Iterator[None]:
@@ -115,7 +118,7 @@ class Work:
 
 
 @cache
-def _kept(relate: Relate) -> Relate:
+def _kept(relate: Relate, rules: str) -> Relate:  # noqa: ARG001 - what it was made of
     """Return the first that is equal to this one, ready, in a process that does nothing else."""
     work_alone()
     relate.ready()
