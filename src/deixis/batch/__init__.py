@@ -3,7 +3,7 @@
 from deixis.errors import MissingDependency
 
 try:
-    import pyarrow  # noqa: F401 - all modules here need it
+    import pyarrow as pa  # noqa: F401 - all modules here need it
 except ModuleNotFoundError:
     raise MissingDependency("data sets need pyarrow: pip install 'deixis[batch]'") from None
 
