@@ -11,6 +11,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 import pytest
+import ray
 
 from datasets import as_lines, crowd, rooms
 from deixis.batch import Relate
@@ -30,11 +31,9 @@ MARK = "DEIXIS_TEST_CLUSTER"
 def cluster() -> Iterator[str]:
     """Start two workers that only this process may use; return what their environment is known by."""
     name = secrets.token_hex(16)
-    private = {MARK: name, "RAY_USAGE_STATS_ENABLED": "0", "RAY_AUTH_MODE": "token", "RAY_AUTH_TOKEN": name}
+    private = {MARK: name, "RAY_USAGE_STATS_ENABLED": "0", "RAY_AUTH_TOKEN": name}
     # Not below pytest's folder: the path of a socket must be short.
     with patch.dict(os.environ, private), tempfile.TemporaryDirectory(prefix="ray") as folder:
-        import ray  # it looks at the environment when it is imported
-
         ray.init(
             num_cpus=2,
             object_store_memory=80 << 20,

@@ -16,12 +16,6 @@ from deixis.batch.sources import Shard
 from deixis.batch.work import Work
 from deixis.errors import MissingDependency
 
-try:
-    import ray
-    import ray.data
-except ModuleNotFoundError as cause:
-    raise MissingDependency(f"--engine ray needs {cause.name}: pip install 'deixis[ray]'") from None
-
 _BLOCKS: Final = 4096
 """The most tasks; each has several shards where there are more."""
 
@@ -30,7 +24,17 @@ def each(work: Work, left: Sequence[Shard]) -> Iterator[Counts]:
     """Yield what became of each shard.
 
     The cluster is the one this process is connected to, else that of RAY_ADDRESS, else one on this machine.
+
+    Raises
+    ------
+    MissingDependency
+        Ray is not installed.
     """
+    try:
+        import ray
+        import ray.data
+    except ModuleNotFoundError as cause:
+        raise MissingDependency(f"--engine ray needs {cause.name}: pip install 'deixis[ray]'") from None
     if not ray.is_initialized():
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
         ray.init(include_dashboard=False, log_to_driver=False, logging_level=logging.WARNING)
