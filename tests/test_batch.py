@@ -28,7 +28,7 @@ from datasets import as_lines, crowd, rooms
 from deixis import KnowledgeBase, Scene
 from deixis.batch import ERRORS, RELATIONS, SCENES, Relate
 from deixis.batch.folder import Counts, Folder
-from deixis.batch.processes import Processes
+from deixis.batch.processes import Ended, Processes
 from deixis.batch.run import run as batch
 from deixis.batch.sources import files, shards
 from deixis.batch.work import Work
@@ -289,6 +289,22 @@ def test_a_file_that_breaks_after_it_was_counted_is_in_the_errors(tmp_path: Path
 
 
 # Whatever happens to the processes
+
+
+def test_what_a_function_raises_is_raised_here() -> None:
+    with Processes(2) as processes, pytest.raises(ValueError, match="invalid literal"):
+        list(processes.each(int, ["1", "x"]))
+
+
+def test_a_process_that_ended_while_idle_is_another() -> None:
+    with Processes(1) as processes:
+        assert list(processes.each(int, ["1"])) == [1]
+        (child,) = multiprocessing.active_children()
+        child.kill()
+        child.join()
+        assert list(processes.each(int, ["2", "3"])) == [2, 3]
+        assert list(processes.each(os._exit, [7, 0])) == [Ended(7, 7), Ended(0, 0)]
+    assert multiprocessing.active_children() == []
 
 
 def test_a_scene_that_hangs_is_refused_and_the_others_are_told(tmp_path: Path) -> None:
