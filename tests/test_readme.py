@@ -22,7 +22,7 @@ import deixis.cli.words  # noqa: F401 - adds its commands
 from bags_written import kitchen
 from commands import run
 from deixis import Scene
-from deixis.cli import bags, live, maps, questions, view, words  # noqa: F401 - they add their commands
+from deixis.cli import bags, batch, live, maps, questions, view, words  # noqa: F401 - they add their commands
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from endpoint import serving
@@ -129,6 +129,23 @@ def test_a_recording_tells_what_the_readme_shows(tmp_path: Path) -> None:
     (block,) = (one for one in blocks("bash") if one["text"].startswith("deixis bag"))
     kitchen(tmp_path / "kitchen")
     check(shown_after(block), run(*shlex.split(block["text"])[1:], cwd=tmp_path).out)
+
+
+def test_the_data_set_tells_what_the_readme_shows(root: Path, tmp_path: Path) -> None:
+    (block,) = (one for one in blocks("bash") if one["text"].startswith("deixis batch"))
+    (tmp_path / "kb").symlink_to(root / "kb")
+    path = os.pathsep.join((str(Path(sys.executable).parent), os.environ["PATH"]))
+    done = subprocess.run(
+        ["sh", "-e", "-c", block["text"]],
+        cwd=tmp_path,
+        env={**os.environ, "PATH": path},
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "deixis: relations: 4 scenes, 1,500 relations\n")
+    check(shown_after(block), done.stdout.replace("\n\n", "\n"))
 
 
 def test_postgis_measures_what_the_readme_shows(root: Path) -> None:

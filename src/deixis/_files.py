@@ -60,7 +60,11 @@ def write_whole(place: Path, text: bytes) -> None:
     place = place.resolve()
     draft = place.with_name(f".{place.name}.{os.getpid()}.part")
     try:
-        draft.write_bytes(text)
+        with draft.open("wb") as sink:
+            sink.write(text)
+            sink.flush()
+            # Else a machine that goes down may leave the new name on an empty file.
+            os.fsync(sink.fileno())
         if place.exists():
             shutil.copymode(place, draft)
         draft.replace(place)

@@ -26,6 +26,15 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_helpers.cache_clear)
 
 
+_alone = False
+
+
+def work_alone() -> None:
+    """Share nothing from now on: other processes have the other processors."""
+    global _alone  # noqa: PLW0603 - of this process, like its processors
+    _alone = True
+
+
 def share(work: Callable[[Part], None], parts: Iterable[Part]) -> None:
     """Do the work for all parts, in any order, on all processors.
 
@@ -53,7 +62,7 @@ def share(work: Callable[[Part], None], parts: Iterable[Part]) -> None:
                 left.clear()
                 raise
 
-    helping = [_helpers().submit(run) for _ in range(min(WORKERS, len(left)) - 1)]
+    helping = [_helpers().submit(run) for _ in range(0 if _alone else min(WORKERS, len(left)) - 1)]
     try:
         run()
     finally:

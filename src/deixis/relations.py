@@ -70,15 +70,17 @@ def rounded(margin: float | None) -> float | None:
 
 def in_order(found: Iterable[Relation]) -> tuple[Relation, ...]:
     """Return relations in the order of the vocabulary, one's own after it, then by ids."""
-    last = len(_ORDER)
     return tuple(
         sorted(
             found,
-            key=lambda one: (
-                _ORDER.get(one.relation, last), one.relation, one.figure, one.reference, one.view or ""
-            ),
+            key=lambda one: (*place_in_order(one.relation), one.figure, one.reference, one.view or ""),
         )
-    )  # fmt: skip
+    )
+
+
+def place_in_order(relation: str) -> tuple[int, str]:
+    """Return what relations are sorted by first: the vocabulary's order, one's own after it by name."""
+    return _ORDER.get(relation, len(_ORDER)), relation
 
 
 _ORDER = {term.name: position for position, term in enumerate((*BASE, *RELATIONS))}

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench import growth, rules_bench, server_bench, shapely_loop
+from bench import batch_bench, growth, rules_bench, server_bench, shapely_loop
 from bench.job import Answers, room
 from deixis.grounding import ground
 from deixis.parallel import WORKERS
@@ -213,6 +213,7 @@ def sections() -> Iterator[tuple[str, Iterator[str]]]:
     yield "What a change costs", updates()
     yield "Growth", large()
     yield "Rules", rules_bench.section()
+    yield "Data sets", batch_bench.section()
     if MESHES.exists():
         yield "Meshes", meshes()
     yield "SPARQL over HTTP", server_bench.lines()

@@ -1,0 +1,70 @@
+"""``deixis batch``: the relations of many scenes."""
+
+from __future__ import annotations
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from deixis.cli.commands import Region, RegionOption, RuleFiles, app
+from deixis.cli.output import warn
+
+
+class BatchEngine(StrEnum):
+    """What the scenes are shared among."""
+
+    PROCESSES = "processes"
+    RAY = "ray"
+
+
+@app.command()
+def batch(
+    scenes: Annotated[
+        list[Path],
+        typer.Argument(metavar="SCENES...", help="Scene files, JSON lines, Parquet, or folders of them."),
+    ],
+    target: Annotated[
+        Path, typer.Option("-o", "--output", metavar="FOLDER", help="Where the Parquet files are written.")
+    ],
+    view: Annotated[str | None, typer.Option(help="Only this view's horizontal relations.")] = None,
+    relation: Annotated[list[str] | None, typer.Option(help="Only this relation; may be repeated.")] = None,
+    region: RegionOption = Region.BOX,
+    rules: RuleFiles = None,
+    limit: Annotated[float, typer.Option(min=0.001, help="Seconds that a scene may take.")] = 60.0,
+    shard: Annotated[int, typer.Option(min=1, help="Scenes in a Parquet file.")] = 128,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes; by default one for each processor.")
+    ] = None,
+    engine: Annotated[
+        BatchEngine, typer.Option(help="What shares the work: processes of this machine, or a Ray cluster.")
+    ] = BatchEngine.PROCESSES,
+) -> None:
+    """Write the relations of many scenes as Parquet; what is refused goes to FOLDER/_errors with the reason.
+
+    A run that was stopped goes on where it was. Exit codes: 0 done, 1 done, and some scenes were refused,
+    2 nothing can be done.
+    """
+    from rich.console import Console
+    from rich.progress import MofNCompleteColumn, Progress
+
+    from deixis.batch.relate import Relate
+    from deixis.batch.run import run
+    from deixis.parallel import WORKERS
+
+    relate = Relate(tuple(relation or ()), tuple(map(str, rules or ())), region.value, view)
+    columns = (*Progress.get_default_columns(), MofNCompleteColumn())
+    # Nothing but a terminal gets a bar, and it is gone when the work is done.
+    bar = Progress(*columns, console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
+    with bar:
+        task = bar.add_task("scenes", total=None)
+        done = run(
+            scenes, target, relate, limit=limit, shard=shard, workers=workers or WORKERS, engine=engine.value,
+            progress=lambda counts, total: bar.update(task, completed=counts.scenes, total=total),
+        )  # fmt: skip
+    refused = f", {done.refused:,} refused: see {target / '_errors'}" if done.refused else ""
+    warn([f"{target}: {done.scenes:,} scenes, {done.relations:,} relations{refused}"])
+    if done.refused:
+        raise typer.Exit(1)
