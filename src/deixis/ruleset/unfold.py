@@ -5,7 +5,7 @@ Executors that derive whole relations at a time gain from it. What follows stays
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from typing import Final
@@ -62,8 +62,14 @@ class Unfolded:
     once: frozenset[Indicator]
 
 
-def unfolded(ruleset: Ruleset) -> Unfolded:
+def unfolded(ruleset: Ruleset, whole: Collection[Indicator] = ()) -> Unfolded:
     """Return the rules of each derived predicate, written out as far as that duplicates nothing.
+
+    Parameters
+    ----------
+    ruleset : Ruleset
+    whole : collection of Indicator
+        Predicates that nothing is put in the place of.
 
     Examples
     --------
@@ -82,7 +88,7 @@ def unfolded(ruleset: Ruleset) -> Unfolded:
             if predicate in BASE_FACTS:
                 continue
             rules = ruleset.by_head.get(predicate, ())
-            plain = {one: done[one] for one in done if one not in recursive}
+            plain = {one: done[one] for one in done if one not in recursive and one not in whole}
             writer = _Writer(plain, keys, fresh)
             written = (writer.rule(rule) for rule in rules)
             done[predicate] = tuple(one for one in written if one is not None)
