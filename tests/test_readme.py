@@ -18,7 +18,7 @@ import pytest
 import deixis.cli.words  # noqa: F401 - adds its commands
 from commands import run
 from deixis import Scene
-from deixis.cli import live, maps, questions, view, words  # noqa: F401 - they add their commands
+from deixis.cli import live, maps, questions, tiles, view, words  # noqa: F401 - they add their commands
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from endpoint import serving

@@ -167,9 +167,7 @@ class _Reach:
                 named = list(named_in(atom, extent.things))
                 for ways in extent.looks:
                     steps = [
-                        min(
-                            links.get((head, name), FAR) + way for name, way in zip(named, ways, strict=True)
-                        )
+                        min(links.get((head, name), FAR) + way for name, way in zip(named, ways, strict=True))
                         for head in heads
                     ]
                     if not heads or max(steps) >= FAR:
@@ -204,6 +202,7 @@ def _links(used: Sequence[tuple[Atom, Extent]]) -> dict[tuple[str, str], int]:
 
 
 def named_in(atom: Atom, places: Iterable[int]) -> Iterator[str]:
+    """Yield what stands at some places of an atom."""
     return (called(atom.args[place]) for place in places)
 
 

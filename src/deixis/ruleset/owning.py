@@ -1,9 +1,9 @@
 """In whose neighbourhood a conclusion can be drawn: that of one of the things it names, its owner.
 
-A map is cut into tiles, and each conclusion is drawn in the tile of its owner, from the facts of that tile and
-so many links around it. Links lead from one thing to another that is near, but a surface is near everything:
-a way that goes on from one has no bound in metres (decision 0055). So the links counted here, unlike those
-of :mod:`deixis.ruleset.extent`, lead from thing to thing, and to a surface only at the end.
+A map is cut into tiles, and each conclusion is drawn in the tile of its owner, from the facts of that tile
+and so many links around it. Links lead from one thing to another that is near, but a surface is near
+everything: a way that goes on from one has no bound in metres (decision 0055). So the links counted here,
+unlike those of :mod:`deixis.ruleset.extent`, lead from thing to thing, and to a surface only at the end.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,7 +18,6 @@ import pyarrow.parquet as pq
 
 from deixis.errors import EngineError
 from deixis.facts import Facts
-from deixis.ruleset import Indicator
 from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.columns import Symbols, base_columns
 from deixis.ruleset.extent import THINGS
@@ -97,7 +97,7 @@ def _nothing(worker: Worker) -> Facts:
 
 
 def _numbers(worker: Worker, program: Program) -> Symbols:
-    """Return numbers, below 0, for the names that the rules speak of and for those of views and thresholds."""
+    """Return numbers, below 0, for names that rules, views and thresholds have."""
     texts = dict.fromkeys(program.constants)
     for rules in program.given.values():
         for rule in rules:
@@ -113,17 +113,19 @@ def _numbers(worker: Worker, program: Program) -> Symbols:
 def _load(base: Any, worker: Worker, program: Program, between: Path, numbers: Symbols) -> None:
     """Make the tables that the program rests on, with numbers for names."""
     kinds = worker.ruleset.kinds
-    told: dict[str, Indicator] = {program.names.tables[node]: node[0] for node in worker.cut.nodes}
-    told |= {program.given_tables[one]: one for one in worker.cut.facts}
-    for node in worker.cut.nodes:
-        _view(base, program.names.tables[node], between / f"{node[0][0]}_{node[0][1]}_{node[1]}")
-    for one in worker.cut.facts:
-        _view(base, program.given_tables[one], between / f"{one[0]}_{one[1]}_given")
+    told = worker.cut.tables
+    for table in told:
+        parts = [str(one) for one in sorted((between / table).glob("*.parquet"))]
+        base.read_parquet(parts).create_view(f"{table}_told")
     texts, raised = numbers.every()
     known = pa.table({"text": pa.array(texts, pa.string()), "code": pa.array(np.arange(len(texts)) - raised)})
     base.register("known", known)
-    names = {table: [at for at, kind in enumerate(kinds[one]) if kind != "number"] for table, one in told.items()}
-    every = " UNION ALL ".join(f"SELECT a{at} AS text FROM {table}_told" for table, some in names.items() for at in some)
+    names = {
+        table: [at for at, kind in enumerate(kinds[one]) if kind != "number"] for table, one in told.items()
+    }
+    every = " UNION ALL ".join(
+        f"SELECT a{at} AS text FROM {table}_told" for table, some in names.items() for at in some
+    )
     base.execute("CREATE TABLE named AS SELECT text, code FROM known")
     if every:
         base.execute(
@@ -147,10 +149,6 @@ def _load(base: Any, worker: Worker, program: Program, between: Path, numbers: S
         )
         base.register(f"{table}_told", pa.table({name: pa.array(column) for name, column in columns.items()}))
         base.execute(f"CREATE TABLE {table} AS FROM {table}_told")
-
-
-def _view(base: Any, table: str, folder: Path) -> None:
-    base.read_parquet([str(one) for one in sorted(folder.glob("*.parquet"))]).create_view(f"{table}_told")
 
 
 def _sorted(base: Any, worker: Worker, program: Program) -> Any:
@@ -180,7 +178,7 @@ def _tiles(place: Path, worker: Worker) -> Iterator[Part]:
     for batch in pq.ParquetFile(place).iter_batches(_BATCH):
         tx, ty = (np.array(batch.column(name).to_pylist(), dtype=object) for name in ("tx", "ty"))
         edges = [0, *(np.flatnonzero((tx[1:] != tx[:-1]) | (ty[1:] != ty[:-1])) + 1).tolist(), len(batch)]
-        for start, stop in zip(edges, edges[1:], strict=False):
+        for start, stop in pairwise(edges):
             if start == stop:
                 continue
             tile = None if ty[start] is None else (int(tx[start]), int(ty[start]))

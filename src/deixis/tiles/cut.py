@@ -1,4 +1,4 @@
-"""Which predicates are derived tile by tile, which from all tiles together, and what those need of the tiles."""
+"""Which predicates are derived tile by tile, which from all tiles together, and from what."""
 
 from __future__ import annotations
 
@@ -44,6 +44,14 @@ class Cut:
     facts: tuple[Indicator, ...]
     owners: dict[Indicator, Ownership]
     links: int
+
+    @property
+    def tables(self) -> dict[str, Indicator]:
+        """Return the names of the tables that the program rests on, of letters, digits and _ only."""
+        if self.program is None:
+            return {}
+        derived = {self.program.names.tables[node]: node[0] for node in self.nodes}
+        return derived | {self.program.given_tables[one]: one for one in self.facts}
 
     @property
     def labels(self) -> bool:

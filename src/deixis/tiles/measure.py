@@ -22,7 +22,7 @@ Labels = tuple[tuple[tuple[str, float], ...], ...]
 
 
 def box_facts(head: Scene, ids: Sequence[str], labels: Labels, boxes: Boxes) -> Facts:
-    """Return what :func:`deixis.grounding.ground` finds of things that are only boxes, without making a scene.
+    """Return what :func:`deixis.grounding.ground` finds of things that are only boxes.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def box_facts(head: Scene, ids: Sequence[str], labels: Labels, boxes: Boxes) -> 
         pairs=measure_pairs(boxes, *candidate_rows(boxes, limits, MAX_PAIRS), limits),
         views=(),
         region="box",
-        models=("box",) * len(boxes),
+        models=tuple("box" for _ in ids),
     )
     framed, tie = align_with_world(boxes)
     rows = np.flatnonzero(facts.ordered)

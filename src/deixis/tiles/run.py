@@ -7,24 +7,25 @@ import json
 import multiprocessing
 import os
 import shutil
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Final, Literal
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from deixis import __version__
 from deixis._files import datalog_files, write_whole
 from deixis.errors import DeixisError, EngineError, MissingDependency, ReaderError
 from deixis.ruleset import locate
 from deixis.strict_json import parse, quoted
 from deixis.tiles.after import after
 from deixis.tiles.sources import files, head
-from deixis.tiles.store import Tile, check_size, collect, cut, emptied, name_of
+from deixis.tiles.store import Tile, check_size, collect, cut, name_of
 from deixis.tiles.work import Job, Worker
 
 EngineName = Literal["local", "ray"]
@@ -40,7 +41,7 @@ _NOWHERE: Final = "none"
 
 @dataclass
 class Summary:
-    """What became of a map: its tiles, those done now and before, and what was found now."""
+    """What became of a map: its tiles, those done now and before, and what was found so far."""
 
     tiles: int = 0
     done: int = 0
@@ -63,10 +64,10 @@ def run(
 ) -> Summary:
     """Derive the relations of a map of any size into a folder of Parquet files, by tile.
 
-    ``relations/tile=X_Y/part.parquet`` has those of each tile, ``relations/tile=X_Y/after.parquet`` those that
-    were derived from all tiles together, ``things/tile=X_Y/part.parquet`` its things. Files are written whole;
-    a run that was stopped goes on where it was. A relation is in the tile of its figure's centre, where that
-    is no surface; together they are those of :meth:`deixis.KnowledgeBase.relations`.
+    ``relations/tile=X_Y/part.parquet`` has those of each tile, ``relations/tile=X_Y/after.parquet`` those
+    that were derived from all tiles together, ``things/tile=X_Y/part.parquet`` its things. Files are written
+    whole; a run that was stopped goes on where it was. A relation is in the tile of its figure's centre,
+    where that is no surface; together they are those of :meth:`deixis.KnowledgeBase.relations`.
 
     Parameters
     ----------
@@ -110,18 +111,31 @@ def run(
     job = Job(str(work), 1.0, json.dumps(told.to_dict()), places[0].name, tuple(relations), found)
     Worker(job).places  # noqa: B018 - what is wrong with the rules or the names is said at once
     if before.get("done"):
-        return Summary(before["tiles"], 0, before["tiles"])
+        return Summary(before["tiles"], 0, before["tiles"], before["things"], before["relations"])
     if "metres" not in before:
         shutil.rmtree(work, ignore_errors=True)
         work.mkdir(parents=True)
-        collect(inputs, told, work)
+        start = time.monotonic()
+        things = collect(inputs, told, work)
         metres, every = cut(work, size, memory)
-        before |= {"metres": metres, "tiles": len(every), "listed": every}
+        seconds = round(time.monotonic() - start, 3)
+        before |= {
+            "metres": metres,
+            "things": things,
+            "tiles": len(every),
+            "seconds": seconds,
+            "listed": every,
+        }
         _note(target, before)
     job = Job(**{**asdict(job), "size": before["metres"]})
     tiles: list[Tile] = [(int(x), int(y)) for x, y in before["listed"]]
-    todo = [tile for tile in tiles if not _ends(target, tile).exists()]
-    summary = Summary(len(tiles), 0, len(tiles) - len(todo))
+    ready = [tile for tile in tiles if _ends(target, tile).exists()]
+    known = set(ready)
+    todo = [tile for tile in tiles if tile not in known]
+    summary = Summary(len(tiles), 0, len(ready))
+    for tile in ready:
+        summary.things += pq.read_metadata(_part(target, "things", tile)).num_rows
+        summary.relations += pq.read_metadata(_ends(target, tile)).num_rows
     with _engine(engine, workers, job, target) as every_one:
         for things, count in every_one(todo):
             summary.done += 1
@@ -129,14 +143,12 @@ def run(
             summary.relations += count
             progress(summary)
     worker = Worker.of(job)
-    for tile, table in after(worker, work, work / "between", memory):
-        name = _NOWHERE if tile is None else name_of(tile)
+    for place, table in after(worker, work, work / "between", memory):
+        name = _NOWHERE if place is None else name_of(place)
         _write(target / "relations" / f"tile={name}" / "after.parquet", table)
         summary.relations += len(table)
     del before["listed"]
-    _note(target, {**before, "done": True})
-    for place in emptied(work):
-        place.unlink(missing_ok=True)
+    _note(target, {**before, "relations": summary.relations, "done": True})
     shutil.rmtree(work)
     return summary
 
@@ -147,14 +159,18 @@ def do(job: Job, target: Path, tile: Tile) -> tuple[int, int]:
     name = name_of(tile)
     for node, table in found.between.items():
         _write(Path(job.folder) / "between" / node / f"{name}.parquet", table)
-    _write(target / "things" / f"tile={name}" / "part.parquet", found.things)
+    _write(_part(target, "things", tile), found.things)
     # Last: by this file a tile is known to be done.
     _write(_ends(target, tile), found.relations)
     return len(found.things), len(found.relations)
 
 
 def _ends(target: Path, tile: Tile) -> Path:
-    return target / "relations" / f"tile={name_of(tile)}" / "part.parquet"
+    return _part(target, "relations", tile)
+
+
+def _part(target: Path, what: str, tile: Tile) -> Path:
+    return target / what / f"tile={name_of(tile)}" / "part.parquet"
 
 
 def _write(place: Path, table: pa.Table) -> None:
@@ -199,8 +215,8 @@ class _Local:
                     yield from (one.result() for one in ready)
             except BrokenProcessPool as error:
                 raise EngineError(
-                    "a process that did a tile was ended, for want of memory perhaps: choose smaller tiles or "
-                    "fewer workers; what is done is kept"
+                    "a process that did a tile was ended, for want of memory perhaps: choose smaller tiles, "
+                    "or fewer workers; what is done is kept"
                 ) from error
             finally:
                 pool.shutdown(cancel_futures=True)
@@ -253,7 +269,9 @@ class _Ray:
             cause = error.cause
             raise (cause if isinstance(cause, DeixisError) else error) from None
         except self._ray.exceptions.RayError as error:
-            raise EngineError(f"Ray could not do a tile: {str(error).splitlines()[0]}; what is done is kept") from error
+            raise EngineError(
+                f"Ray could not do a tile: {str(error).splitlines()[0]}; what is done is kept"
+            ) from error
 
 
 def _engine(name: EngineName, workers: int | None, job: Job, target: Path) -> _Local | _Ray:
@@ -264,13 +282,15 @@ def _manifest(target: Path, inputs: Sequence[Path], options: dict[str, Any]) -> 
     """Return what is noted of a folder, which is of the same map and options or empty; else note it."""
     stats = [(str(one.resolve()), one.stat().st_size, one.stat().st_mtime_ns) for one in inputs]
     rules = [Path(one).read_text(encoding="utf-8") for one in options["rules"]]
-    digest = hashlib.sha256(json.dumps([__version__, options, stats, rules]).encode()).hexdigest()
+    digest = hashlib.sha256(json.dumps([version("deixis"), options, stats, rules]).encode()).hexdigest()
     place = target / _MANIFEST
     where = quoted(str(target), 200)
     if place.exists():
         noted = parse(place.read_bytes(), ReaderError, quoted(str(place), 200))
         if not isinstance(noted, dict) or noted.get("digest") != digest:
-            raise ReaderError(f"{where} holds the result of another map or other options: choose another folder")
+            raise ReaderError(
+                f"{where} holds the result of another map or other options: choose another folder"
+            )
         return noted
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise ReaderError(f"{where} holds something else: choose another folder")

@@ -1,4 +1,4 @@
-"""Where the things of a map come from: Parquet, Arrow, JSON lines and scene files, one batch after the other."""
+"""Where the things of a map come from: Parquet, Arrow, JSON lines and scene files, batch by batch."""
 
 from __future__ import annotations
 
@@ -37,9 +37,7 @@ _LONGEST: Final = 256
 _MOST_LABELS: Final = 5
 
 # As deixis.scene_format has it: control characters, separators of lines, and what turns the writing round.
-_UNPLAIN: Final = (
-    r"[\p{Cc}\p{Zl}\p{Zp}\x{061c}\x{200e}\x{200f}\x{202a}-\x{202e}\x{2066}-\x{2069}]"
-)
+_UNPLAIN: Final = r"[\p{Cc}\p{Zl}\p{Zp}\x{061c}\x{200e}\x{200f}\x{202a}-\x{202e}\x{2066}-\x{2069}]"
 
 KINDS: Final = "Parquet (.parquet), Arrow (.arrow), JSON lines (.jsonl) or scene files (.json)"
 
@@ -223,7 +221,9 @@ class _Rows:
             pc.or_(pa.array(wrong), many), "labels",
             f"give at most {_MOST_LABELS}, each a name and a score from 0 to 1",
         )  # fmt: skip
-        ranked = [None if not one else sorted(one, key=lambda label: -label["score"]) for one in column.to_pylist()]
+        ranked = [
+            None if not one else sorted(one, key=lambda label: -label["score"]) for one in column.to_pylist()
+        ]
         both = pc.and_(pc.is_valid(label), pa.array([one is not None for one in ranked]))
         self.refuse_where(both, "label", "and there are labels too: keep one of them")
         best = pa.array([None if one is None else one[0]["name"] for one in ranked], pa.string())

@@ -1,8 +1,8 @@
-"""The things of a map on disk, sorted by tile, so that those of a tile and around it are found without the others."""
+"""The things of a map on disk, sorted by tile, so that those of one and around it are soon found."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -129,9 +129,7 @@ def cut(folder: Path, size: float | None, memory: int) -> tuple[float, list[Tile
 
 _TWICE: Final = "SELECT id FROM told GROUP BY id HAVING count(*) > 1 ORDER BY id LIMIT 1"
 
-_SORTED: Final = (
-    "SELECT *, floor(x / $size)::BIGINT AS tx, floor(y / $size)::BIGINT AS ty FROM told WHERE "
-)
+_SORTED: Final = "SELECT *, floor(x / $size)::BIGINT AS tx, floor(y / $size)::BIGINT AS ty FROM told WHERE "
 
 _WIDE: Final = "greatest(high_x - low_x, high_y - low_y) + 2 * reach > 2 * $size"
 """What it and its reach take up is more than the tiles beside its own."""
@@ -143,15 +141,16 @@ def _few_surfaces(base: Any) -> None:
     count = base.execute("SELECT count(*) FROM told WHERE normal >= 0").fetchall()[0][0]
     if count > _SURFACES:
         raise SceneError(
-            f"{count:,} surfaces: everything is measured against each of them, so a map may have {_SURFACES:,}; "
-            "give small ones as objects, or cut the map by hand"
+            f"{count:,} surfaces: everything is measured against each of them, so a map may have "
+            f"{_SURFACES:,}; give small ones as objects, or cut the map by hand"
         )
 
 
 def _size(base: Any) -> float:
     """Return the side of a tile, metres: the largest with which no tile has more things than wanted."""
     low_x, high_x, low_y, high_y, usual = base.execute(
-        "SELECT min(x), max(x), min(y), max(y), quantile_cont(high_x - low_x + reach, 0.99) FROM told WHERE normal < 0"
+        "SELECT min(x), max(x), min(y), max(y), quantile_cont(high_x - low_x + reach, 0.99) FROM told "
+        "WHERE normal < 0"
     ).fetchall()[0]
     if low_x is None:
         return 1.0
@@ -200,7 +199,7 @@ class Store:
         own = [len(found)]
         seen = found.column("id").combine_chunks()
         for _ in range(links):
-            around = [self._around(name, tile, *level) for name in ("things", "wide")]
+            around = [self._around(name, *level) for name in ("things", "wide")]
             level = [part.filter(pc.invert(pc.is_in(part.column("id"), seen))) for part in around]
             found = pa.concat_tables([found, *level])
             if len(found) > MOST:
@@ -217,7 +216,7 @@ class Store:
         mine[: own[0]] = True
         return Loaded(pa.concat_tables([found, surfaces]), np.concatenate([mine, local]))
 
-    def _around(self, name: str, tile: Tile, things: pa.Table, wide: pa.Table) -> pa.Table:
+    def _around(self, name: str, things: pa.Table, wide: pa.Table) -> pa.Table:
         """Return what may be linked with some things; more than that does no harm."""
         rectangles = _rectangles(things, wide)
         if not len(rectangles):
@@ -241,17 +240,17 @@ class Store:
             west, east, south, north = (int(np.floor(one / self._size)) for one in ends)
             near = near & (pc.field("tx") >= west - 1) & (pc.field("tx") <= east + 1)
             near = near & (pc.field("ty") >= south - 1) & (pc.field("ty") <= north + 1)
-        parts = []
-        for batch in self._files[name].to_batches(filter=near):
-            if len(batch):
-                parts.append(batch.filter(pa.array(_meets(batch, rectangles))))
+        found = self._files[name].to_batches(filter=near)
+        parts = [batch.filter(pa.array(_meets(batch, rectangles))) for batch in found if len(batch)]
         return pa.Table.from_batches(parts, schema=self._files[name].schema)
 
 
 def _rectangles(things: pa.Table, wide: pa.Table) -> Array:
-    """Return rectangles in plan with some things in them and their reach: one for the small, one for each wide."""
+    """Return rectangles in plan that hold some things, with their reach: one for all small, one a wide."""
     names = ("low_x", "low_y", "high_x", "high_y", "reach")
-    small, large = (np.stack([part.column(name).to_numpy() for name in names], axis=1) for part in (things, wide))
+    small, large = (
+        np.stack([part.column(name).to_numpy() for name in names], axis=1) for part in (things, wide)
+    )
     if not len(small):
         return large
     hull = [*small[:, :2].min(axis=0), *small[:, 2:4].max(axis=0), small[:, 4].max()]
@@ -279,11 +278,6 @@ def name_of(tile: Tile) -> str:
     '-3_12'
     """
     return f"{tile[0]}_{tile[1]}"
-
-
-def emptied(folder: Path) -> Iterator[Path]:
-    """Yield the files of a store, which can go when all is done."""
-    yield from (folder / f"{name}.parquet" for name in ("told", *FILES))
 
 
 def check_size(size: float | None) -> None:

@@ -21,9 +21,9 @@ from deixis.errors import EngineError, GeometryError
 from deixis.frames import Index, Mask
 from deixis.relations import rounded_all
 from deixis.ruleset import Indicator, Ruleset, load
-from deixis.ruleset.columns import base_columns
-from deixis.ruleset.columns import Symbols
+from deixis.ruleset.columns import Symbols, base_columns
 from deixis.ruleset.owning import Ownership
+from deixis.ruleset.plan import Node
 from deixis.ruleset.tables import Table
 from deixis.scene import Scene
 from deixis.tiles.cut import Cut, share_out
@@ -65,7 +65,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Found:
-    """What was found in a tile: relations and things of its own, and what is needed after it, by file name."""
+    """What was found in a tile: its own relations and things, and what is needed after it, by table."""
 
     relations: pa.Table
     things: pa.Table
@@ -115,6 +115,11 @@ class Worker:
         return AutoExecutor(self.ruleset)
 
     @cached_property
+    def _nodes(self) -> dict[str, Node]:
+        program = self.cut.program
+        return {} if program is None else {program.names.tables[node]: node for node in self.cut.nodes}
+
+    @cached_property
     def _labelled(self) -> bool:
         return self.cut.labels
 
@@ -139,13 +144,15 @@ class Worker:
         except (GeometryError, EngineError) as cause:
             raise type(cause)(f"tile {name_of(tile)}: {cause}; or choose smaller tiles") from cause
         rows = _Rows(facts.ids, facts.surface, loaded.own, self.cut.owners)
-        between = {
-            f"{node[0][0]}_{node[0][1]}_{node[1]}": rows.plain(node[0], tables[node]) for node in self.cut.nodes
-        }
-        for one in self.cut.facts:
+        between = {}
+        for name, predicate in self.cut.tables.items():
+            node = self._nodes.get(name)
+            if node is not None:
+                between[name] = rows.plain(predicate, tables[node])
+                continue
             symbols = Symbols(facts.ids, ())
-            columns = base_columns(one, facts, self._views, symbols)
-            between[f"{one[0]}_{one[1]}_given"] = rows.measured(one, columns, symbols)
+            columns = base_columns(predicate, facts, self._views, symbols)
+            between[name] = rows.measured(predicate, columns, symbols)
         relations = self._relations(rows, {one: tables[one, "truth"] for one in self.cut.here}, loaded)
         return Found(relations, _things(loaded), between)
 
@@ -190,7 +197,19 @@ class Worker:
         labels: Sequence[Any],
         margins: Any,
     ) -> pa.Table:
-        """Return relations as they are written: figures, references, views, labels, and margins not yet rounded."""
+        """Return relations as they are written.
+
+        Parameters
+        ----------
+        predicate : Indicator
+        named : sequence
+            Figures and references.
+        view : array or None
+        labels : sequence
+            Of figures and references.
+        margins : (n,) float
+            Not yet rounded.
+        """
         count = len(margins)
         margin = rounded_all(margins)
         finite = np.isfinite(margin)
