@@ -34,7 +34,8 @@ MEMORY: Final = 2 * 2**30
 """Bytes that sorting, and deriving from all tiles together, may take before they go on on disk."""
 
 _MANIFEST: Final = "manifest.json"
-_WORK: Final = "work"
+_WORK: Final = ".deixis-work"
+"""A folder beside the result while a map is worked on."""
 _NOWHERE: Final = "none"
 """The partition of relations that name no thing."""
 
@@ -279,7 +280,7 @@ def _engine(name: EngineName, workers: int | None, job: Job, target: Path) -> _L
 
 
 def _manifest(target: Path, inputs: Sequence[Path], options: dict[str, Any]) -> dict[str, Any]:
-    """Return what is noted of a folder, which is of the same map and options or empty; else note it."""
+    """Return what is noted of a folder, which is of the same map and options or empty."""
     stats = [(str(one.resolve()), one.stat().st_size, one.stat().st_mtime_ns) for one in inputs]
     rules = [Path(one).read_text(encoding="utf-8") for one in options["rules"]]
     digest = hashlib.sha256(json.dumps([version("deixis"), options, stats, rules]).encode()).hexdigest()
@@ -292,12 +293,10 @@ def _manifest(target: Path, inputs: Sequence[Path], options: dict[str, Any]) -> 
                 f"{where} holds the result of another map or other options: choose another folder"
             )
         return noted
-    if target.exists() and (not target.is_dir() or any(target.iterdir())):
+    if target.exists() and (not target.is_dir() or any(one.name != _WORK for one in target.iterdir())):
         raise ReaderError(f"{where} holds something else: choose another folder")
     target.mkdir(parents=True, exist_ok=True)
-    noted = {"schema": 1, "digest": digest, "options": options, "inputs": [one.name for one in inputs]}
-    _note(target, noted)
-    return noted
+    return {"schema": 1, "digest": digest, "options": options, "inputs": [one.name for one in inputs]}
 
 
 def _note(target: Path, noted: dict[str, Any]) -> None:

@@ -66,7 +66,7 @@ RELATIONS: Final = pa.schema(
 
 BOXES: Final = pa.schema(
     [
-        pa.field("id", pa.string(), nullable=False),
+        pa.field("id", pa.string()),
         pa.field("label", pa.string()),
         pa.field("labels", LABELS),
         *((name, pa.float64()) for name in ("x", "y", "z", "hx", "hy", "hz", "yaw")),

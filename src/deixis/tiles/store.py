@@ -42,6 +42,9 @@ FILES: Final = ("things", "wide", "surfaces")
 """Things smaller than a tile, larger ones, and surfaces, which are near everything."""
 
 
+_SORTED_BOXES: Final = pa.schema([*BOXES, ("tx", pa.int64()), ("ty", pa.int64())])
+
+
 @dataclass(frozen=True)
 class Loaded:
     """Things of a tile and around it, surfaces among them.
@@ -124,7 +127,8 @@ def cut(folder: Path, size: float | None, memory: int) -> tuple[float, list[Tile
             found = base.execute("SELECT DISTINCT tx, ty FROM sorted ORDER BY ty, tx").fetchall()
     except duckdb.Error as error:
         raise EngineError(f"the map cannot be sorted into tiles: {error}") from error
-    return metres, [(int(tx), int(ty)) for tx, ty in found]
+    # A map of nothing has a tile with nothing in it.
+    return metres, [(int(tx), int(ty)) for tx, ty in found] or [(0, 0)]
 
 
 _TWICE: Final = "SELECT id FROM told GROUP BY id HAVING count(*) > 1 ORDER BY id LIMIT 1"
@@ -180,7 +184,10 @@ class Store:
 
     def __init__(self, folder: Path, size: float) -> None:
         self._size = size
-        self._files = {name: ds.dataset(folder / f"{name}.parquet", format="parquet") for name in FILES}
+        self._files = {
+            name: ds.dataset(folder / f"{name}.parquet", schema=_SORTED_BOXES, format="parquet")
+            for name in FILES
+        }
         self._surfaces: pa.Table | None = None
 
     def load(self, tile: Tile, links: int) -> Loaded:
