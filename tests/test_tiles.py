@@ -12,6 +12,7 @@ from typing import Any
 
 import duckdb
 import numpy as np
+import psycopg
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -32,6 +33,7 @@ from deixis.tiles import OBJECTS, Summary, store
 from deixis.tiles import run as run_tiles
 from deixis.tiles.measure import box_facts
 from deixis.vocabulary import BASE, RELATIONS
+from postgis_server import PostgisUnavailable, postgis
 from programs import random_program
 from scenes import box, floor, scene, wall
 from test_living import OWN
@@ -402,6 +404,50 @@ def test_a_map_of_nothing(tmp_path: Path) -> None:
     )
     assert (done.things, done.relations) == (0, 0)
     assert union(tmp_path / "out") == {}
+
+
+def test_duckdb_and_postgis_read_what_comes_out(tmp_path: Path) -> None:
+    """As the README says: through a table of text that DuckDB writes and COPY reads."""
+    there = scene(floor(), *(box(f"o{at}", [at, 0.0, 0.25], [0.4, 0.4, 0.5], 0.3) for at in range(-4, 5)))
+    there.save(tmp_path / "map.json")
+    run_tiles([tmp_path / "map.json"], tmp_path / "out", size=2.5, workers=1)
+    with duckdb.connect() as base:
+        base.read_parquet(f"{tmp_path}/out/things/*/*.parquet").create_view("things")
+        base.read_parquet(f"{tmp_path}/out/relations/*/*.parquet").create_view("relations")
+        on_top = base.sql(
+            "SELECT figure FROM relations WHERE relation = 'on_top_of' ORDER BY figure"
+        ).fetchall()
+        plan = "SELECT id, label, kind, hex(ST_AsWKB(geometry)) FROM things"
+        base.sql(plan).write_csv(f"{tmp_path}/things.csv")
+        base.sql("SELECT relation, figure, reference, view, margin FROM relations").write_csv(
+            f"{tmp_path}/relations.csv"
+        )
+    try:
+        with postgis() as address, psycopg.connect(address, autocommit=True) as connection:
+            connection.execute(
+                "CREATE TABLE things (id text PRIMARY KEY, label text, kind text, geometry geometry)"
+            )
+            connection.execute(
+                "CREATE TABLE relations (relation text, figure text, reference text, view text, margin float)"
+            )
+            for name in ("things", "relations"):
+                with connection.cursor().copy(f"COPY {name} FROM STDIN CSV HEADER") as copy:
+                    copy.write((tmp_path / f"{name}.csv").read_bytes())
+            found = connection.execute(
+                "SELECT figure FROM relations JOIN things ON figure = id "
+                "WHERE relation = 'on_top_of' ORDER BY figure"
+            ).fetchall()
+            assert found == on_top
+            assert len(found) == 9
+            areas = connection.execute(
+                "SELECT id, ST_Area(geometry), ST_X(ST_Centroid(geometry)) FROM things"
+            ).fetchall()
+            assert {name: round(area, 9) for name, area, _ in areas if name != "floor"} == {
+                f"o{at}": 0.16 for at in range(-4, 5)
+            }
+            assert {round(x, 9) for _, _, x in areas} == set(range(-4, 5))
+    except PostgisUnavailable as reason:
+        pytest.skip(str(reason))
 
 
 # What is refused

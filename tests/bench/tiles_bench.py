@@ -28,8 +28,7 @@ import pyarrow.parquet as pq
 from deixis.scene import Scene, View
 from deixis.tiles import OBJECTS, run
 
-SIZES = (100_000, 1_000_000)
-"""What `make bench` measures; ten million take an hour, and their figures stand in kb/benchmarks.md."""
+SIZES = (100_000, 1_000_000, 10_000_000)
 
 _ROWS = 250_000
 _PERIOD = 0.1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Final
 
 import pyarrow as pa
@@ -32,6 +33,12 @@ OBJECTS: Final = pa.schema(
 )
 """What goes in: a row for each thing and surface."""
 
+_GEO: Final = {
+    "version": "1.1.0",
+    "primary_column": "geometry",
+    "columns": {"geometry": {"encoding": "WKB", "geometry_types": ["Polygon"], "crs": None}},
+}
+
 THINGS: Final = pa.schema(
     [
         pa.field("id", pa.string(), nullable=False),
@@ -39,9 +46,10 @@ THINGS: Final = pa.schema(
         pa.field("kind", pa.string(), nullable=False),
         *_LENGTHS,
         pa.field("geometry", pa.binary(), metadata={"says": "the box in plan, a polygon in WKB"}),
-    ]
+    ],
+    metadata={"geo": json.dumps(_GEO)},
 )
-"""What comes out of each thing; it can go in again."""
+"""What comes out of each thing, GeoParquet that other tools know as a map; it can go in again."""
 
 RELATIONS: Final = pa.schema(
     [
