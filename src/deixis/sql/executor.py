@@ -26,6 +26,8 @@ _SETTINGS: Final = {
     "autoinstall_known_extensions": "false",
     "autoload_known_extensions": "false",
     "enable_external_access": "false",
+    # It would be drawn on stdout, among the answers.
+    "enable_progress_bar": "false",
 }
 
 

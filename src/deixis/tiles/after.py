@@ -78,6 +78,8 @@ def _database(folder: Path, memory: int) -> Iterator[Any]:
         "memory_limit": f"{memory // 2**20}MiB",
         "temp_directory": str(folder / "spilled"),
         "autoinstall_known_extensions": "false",
+        "autoload_known_extensions": "false",
+        "enable_progress_bar": "false",
         "preserve_insertion_order": "false",
     }
     try:

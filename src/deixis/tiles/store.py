@@ -36,8 +36,6 @@ _GROUP: Final = 8_192
 _SURFACES: Final = 20_000
 """Surfaces of a map. Every tile measures all of them against each other."""
 
-_HALVINGS: Final = 40
-
 FILES: Final = ("things", "wide", "surfaces")
 """Things smaller than a tile, larger ones, and surfaces, which are near everything."""
 
@@ -109,6 +107,8 @@ def cut(folder: Path, size: float | None, memory: int) -> tuple[float, list[Tile
         "memory_limit": f"{memory // 2**20}MiB",
         "temp_directory": str(folder / "spilled"),
         "autoinstall_known_extensions": "false",
+        "autoload_known_extensions": "false",
+        "enable_progress_bar": "false",
         "preserve_insertion_order": "false",
     }
     try:
@@ -152,24 +152,34 @@ def _few_surfaces(base: Any) -> None:
 
 def _size(base: Any) -> float:
     """Return the side of a tile, metres: the largest with which no tile has more things than wanted."""
-    low_x, high_x, low_y, high_y, usual = base.execute(
-        "SELECT min(x), max(x), min(y), max(y), quantile_cont(high_x - low_x + reach, 0.99) FROM told "
-        "WHERE normal < 0"
-    ).fetchall()[0]
-    if low_x is None:
+    widest, usual = base.execute(_SPREAD).fetchall()[0]
+    if widest is None:
         return 1.0
     # With tiles smaller than what is around a thing every tile is mostly the others'.
-    least = 4.0 * float(usual)
-    size = max(float(high_x - low_x), float(high_y - low_y), least)
-    for _ in range(_HALVINGS):
-        fullest = base.execute(
-            "SELECT max(n) FROM (SELECT count(*) AS n FROM told WHERE normal < 0 "
-            f"GROUP BY floor(x / {size!r}::DOUBLE), floor(y / {size!r}::DOUBLE))"
-        ).fetchall()[0][0]
-        if fullest <= TARGET or size / 2.0 < least:
+    size = 4.0 * float(usual)
+    base.execute(_CELLS.replace("$size", f"{size!r}::DOUBLE"))
+    scale = 1.0
+    while size * scale < widest:
+        wider = base.execute(_FULLEST.replace("$scale", f"{2.0 * scale!r}::DOUBLE")).fetchall()[0][0]
+        if wider > TARGET:
             break
-        size /= 2.0
-    return size
+        scale *= 2.0
+    return size * scale
+
+
+_SPREAD: Final = (
+    "SELECT greatest(max(x) - min(x), max(y) - min(y)), quantile_cont(high_x - low_x + reach, 0.99) "
+    "FROM told WHERE normal < 0"
+)
+
+_CELLS: Final = (
+    "CREATE TEMP TABLE cell AS SELECT floor(x / $size) AS cx, floor(y / $size) AS cy, count(*) AS n "
+    "FROM told WHERE normal < 0 GROUP BY ALL"
+)
+
+_FULLEST: Final = (
+    "SELECT max(n) FROM (SELECT sum(n) AS n FROM cell GROUP BY floor(cx / $scale), floor(cy / $scale))"
+)
 
 
 class Store:
