@@ -26,8 +26,6 @@ _SETTINGS: Final = {
     "autoinstall_known_extensions": "false",
     "autoload_known_extensions": "false",
     "enable_external_access": "false",
-    # It would be drawn on stdout, among the answers.
-    "enable_progress_bar": "false",
 }
 
 
@@ -261,6 +259,8 @@ def _database(threads: int | None) -> duckdb.DuckDBPyConnection:
     settings: dict[str, str | bool | int | float | list[str]] = dict(_SETTINGS)
     settings["threads"] = threads or os.cpu_count() or 1
     connection = duckdb.connect(":memory:", config=settings)
+    # It would be drawn on stdout, among the answers.
+    connection.execute("SET enable_progress_bar = false")
     connection.execute("SET lock_configuration = true")
     return connection
 

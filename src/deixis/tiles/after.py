@@ -79,11 +79,11 @@ def _database(folder: Path, memory: int) -> Iterator[Any]:
         "temp_directory": str(folder / "spilled"),
         "autoinstall_known_extensions": "false",
         "autoload_known_extensions": "false",
-        "enable_progress_bar": "false",
         "preserve_insertion_order": "false",
     }
     try:
         with duckdb.connect(str(place), config=settings) as base:
+            base.execute("SET enable_progress_bar = false")
             yield base
     except duckdb.Error as error:
         raise EngineError(f"the tiles cannot be put together: {error}") from error

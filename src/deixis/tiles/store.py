@@ -108,11 +108,11 @@ def cut(folder: Path, size: float | None, memory: int) -> tuple[float, list[Tile
         "temp_directory": str(folder / "spilled"),
         "autoinstall_known_extensions": "false",
         "autoload_known_extensions": "false",
-        "enable_progress_bar": "false",
         "preserve_insertion_order": "false",
     }
     try:
         with duckdb.connect(":memory:", config=settings) as base:
+            base.execute("SET enable_progress_bar = false")
             base.read_parquet(str(folder / "told.parquet")).create_view("told")
             twice = base.execute(_TWICE).fetchall()
             if twice:
