@@ -76,8 +76,8 @@ def rounded_all(margins: Array) -> Array:
 
     Examples
     --------
-    >>> rounded_all(np.array([0.1234567891, 2.5e-9, np.inf])).tolist()
-    [0.123456789, 2e-09, inf]
+    >>> rounded_all(np.array([0.1234567891, 2.0, np.inf])).tolist()
+    [0.123456789, 2.0, inf]
     """
     plain = np.abs(margins) < _PLAIN
     scaled = np.where(plain, margins, 0.0) * 10.0**SNAP_DECIMALS

@@ -105,7 +105,9 @@ def run(
     check_size(size)
     inputs = files(places)
     told = head(inputs)
-    found = tuple(str(one) for one in (locate(rules, datalog_files()) if rules else ()))
+    found = tuple(str(one.absolute()) for one in (locate(rules, datalog_files()) if rules else ()))
+    # Whoever does a tile may stand elsewhere.
+    target = target.absolute()
     work = target / _WORK
     options = {"size": size, "relations": list(relations), "rules": found}
     before = _manifest(target, inputs, options)
@@ -119,6 +121,7 @@ def run(
         start = time.monotonic()
         things = collect(inputs, told, work)
         metres, every = cut(work, size, memory)
+        (work / "told.parquet").unlink()
         seconds = round(time.monotonic() - start, 3)
         before |= {
             "metres": metres,
