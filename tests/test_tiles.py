@@ -47,7 +47,7 @@ More = """
 % by way of what is no surface, two links away
 beyond(A, C) :- touches(A, B), \\+ surface(B), near(B, C), \\+ surface(A), A \\== C.
 % the same, but what is between may be a floor
-across(A, C) :- touches(A, B), touches(C, B), A \\== C.
+across(A, C) :- touches(A, B), touches(C, B), \\+ surface(A), \\+ surface(C), A \\== C.
 % what stands on a chain of things, and has nothing on top of the other end
 clear(A, B) :- tower(A, B), \\+ ( on_top_of(C, A), tower(C, B) ).
 tower(A, B) :- on_top_of(A, B).
@@ -219,6 +219,13 @@ def test_a_long_thing_touches_what_is_tiles_away() -> None:
     peg = box("peg", [-14.8, 0.06, 1.0], [0.02, 0.02, 0.02])
     for things in ([beam, shelf], [beam, shelf, peg], [beam, wall("wall", 15.0, 9.0), peg]):
         check(scene(*things), 1.0, [*SPOKEN, "touches"], [])
+
+
+def test_a_floor_joins_what_stands_on_it_however_far_apart(tmp_path: Path) -> None:
+    own = tmp_path / "own.pl"
+    own.write_text(More, encoding="utf-8")
+    cups = [box(f"cup{at}", [6.0 * at, 0.0, 0.1], [0.2, 0.2, 0.2]) for at in range(-3, 4)]
+    check(scene(floor("ground", 20.0), *cups), 2.0, ["across", "beyond", "lonely", "held"], [own])
 
 
 def test_the_theory_needs_only_what_is_one_link_away() -> None:
