@@ -22,7 +22,7 @@ import deixis.cli.words  # noqa: F401 - adds its commands
 from bags_written import kitchen
 from commands import run
 from deixis import Scene
-from deixis.cli import bags, batch, live, maps, questions, view, words  # noqa: F401 - they add their commands
+from deixis.cli import bags, batch, live, maps, questions, tiles, view, words  # noqa: F401 - for their commands
 from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from endpoint import serving

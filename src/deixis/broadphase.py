@@ -56,6 +56,23 @@ def reach(boxes: Boxes, limits: Thresholds) -> Array:
     return np.where(boxes.surface, np.inf, furthest + _SLACK)
 
 
+def plan_bounds(boxes: Boxes, limits: Thresholds) -> tuple[Array, Array]:
+    """Return the corners of axis-aligned rectangles around boxes in plan, metres: lower and upper, (n, 2).
+
+    Of two things within reach of each other these are at most the larger of their two reaches apart.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> one = Boxes(np.zeros((1, 3)), np.ones((1, 3)), np.zeros(1), np.array([-1]), np.zeros(1, bool))
+    >>> [corner.tolist() for corner in plan_bounds(one, Thresholds())]
+    [[[-1.0, -1.0]], [[1.0, 1.0]]]
+    """
+    around = _around(boxes, limits)[:, :2]
+    center = boxes.center[:, :2]
+    return center - around, center + around
+
+
 def candidate_rows(boxes: Boxes, limits: Thresholds, max_pairs: int = MAX_PAIRS) -> tuple[Index, Index]:
     """Return the ordered pairs (figure, reference) that may be within reach, in lexicographic order.
 

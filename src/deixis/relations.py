@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
+from deixis.frames import Array
 from deixis.thresholds import SNAP_DECIMALS
 from deixis.vocabulary import BASE, RELATIONS
 
@@ -66,6 +69,28 @@ class Withheld:
 def rounded(margin: float | None) -> float | None:
     """Return a margin to a nanometre, as lengths are measured: differences carry rounding noise."""
     return None if margin is None else round(margin, SNAP_DECIMALS)
+
+
+def rounded_all(margins: Array) -> Array:
+    """Return margins to a nanometre, each as :func:`rounded` has it.
+
+    Examples
+    --------
+    >>> rounded_all(np.array([0.1234567891, 2.0, np.inf])).tolist()
+    [0.123456789, 2.0, inf]
+    """
+    plain = np.abs(margins) < _PLAIN
+    scaled = np.where(plain, margins, 0.0) * 10.0**SNAP_DECIMALS
+    # A product of doubles is a little off, which matters next to a half and for large numbers.
+    sure = plain & (np.abs(np.abs(scaled - np.trunc(scaled)) - 0.5) > _CLEAR)
+    found = np.where(sure, np.rint(scaled) / 10.0**SNAP_DECIMALS, margins)
+    for at in np.flatnonzero(~sure & np.isfinite(margins)).tolist():
+        found[at] = round(float(margins[at]), SNAP_DECIMALS)
+    return found
+
+
+_PLAIN = 1.0e4
+_CLEAR = 0.01
 
 
 def in_order(found: Iterable[Relation]) -> tuple[Relation, ...]:

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench import batch_bench, growth, rules_bench, server_bench, shapely_loop
+from bench import batch_bench, growth, rules_bench, server_bench, shapely_loop, tiles_bench
 from bench.job import Answers, room
 from deixis.grounding import ground
 from deixis.parallel import WORKERS
@@ -200,6 +200,43 @@ def large() -> Iterator[str]:
     )
 
 
+def tiled() -> Iterator[str]:
+    """Yield the growth to ten million things by tiles."""
+    measured = [tiles_bench.measure_apart(count) for count in tiles_bench.SIZES]
+    rows = [
+        (
+            f"{one.things:,}",
+            f"{one.tiles:,}",
+            f"{one.relations:,}",
+            _seconds(one.cutting),
+            _seconds(one.seconds),
+            _seconds((one.seconds - one.cutting) / one.tiles),
+            f"{one.peak_bytes / 2**30:.2f}",
+            f"{one.largest_bytes / 2**30:.2f}",
+            f"{one.disk_bytes / 2**30:.2f}",
+        )
+        for one in measured
+    ]
+    yield (
+        "One thing per square metre, T = 1 m, one view, no walls and floors; from a Parquet file to Parquet "
+        f"files by tile, all spoken relations with their margins, {WORKERS} processes. Memory is that of all "
+        "processes together at its highest, and of the largest of them."
+    )
+    yield ""
+    head = (
+        "things",
+        "tiles",
+        "relations",
+        "cutting",
+        "all",
+        "a tile",
+        "peak, GiB",
+        "largest, GiB",
+        "disk, GiB",
+    )
+    yield from table(head, rows)
+
+
 def meshes() -> Iterator[str]:
     """Yield what the benchmark of meshes prints, in a fresh process."""
     result = subprocess.run([sys.executable, MESHES], capture_output=True, text=True, check=True)
@@ -212,6 +249,7 @@ def sections() -> Iterator[tuple[str, Iterator[str]]]:
     yield "Beside other ways to do the same", one_scene()
     yield "What a change costs", updates()
     yield "Growth", large()
+    yield "Maps in tiles", tiled()
     yield "Rules", rules_bench.section()
     yield "Data sets", batch_bench.section()
     if MESHES.exists():

@@ -74,7 +74,23 @@ class ArrayExecutor:
         GeometryError
             A measured number is not finite.
         """
-        plan = Plan.of(self.ruleset, tuple(dict.fromkeys(wanted)), margins=margins)
+        found = self.both(facts, wanted, view_labels=view_labels, margins=margins, timeout=timeout)
+        return {predicate: table for (predicate, _), table in found.items()}
+
+    def both(
+        self,
+        facts: Facts,
+        wanted: Sequence[Indicator],
+        near: Sequence[Indicator] = (),
+        *,
+        view_labels: Sequence[tuple[str, str]] = (),
+        margins: bool = True,
+        timeout: float | None = None,
+    ) -> dict[Node, Table]:
+        """Return all rows of some predicates, and of some how near they come to holding: as :meth:`run`."""
+        plan = Plan.of(
+            self.ruleset, tuple(dict.fromkeys(wanted)), margins=margins, near=tuple(dict.fromkeys(near))
+        )
         symbols = Symbols(facts.ids, plan.constants)
         deadline = math.inf if timeout is None else time.monotonic() + timeout
 
@@ -102,7 +118,8 @@ class ArrayExecutor:
         programs = self._programs(plan)
         for step in plan.steps:
             _derive(world, plan, programs, step, tables, given)
-        return {one: self._table(tables[one, "truth"], one, margins, symbols) for one in plan.wanted}
+        nodes: list[Node] = [*((one, "truth") for one in plan.wanted), *((one, "near") for one in plan.near)]
+        return {node: self._table(tables[node], node[0], margins, symbols) for node in nodes}
 
     def _programs(self, plan: Plan) -> Programs:
         """Return the rules of a plan, made ready once."""

@@ -43,8 +43,8 @@ def main() -> int:
 
 def _run(stdout: TextIO) -> int:
     """Run one command to the last byte of its output; return its exit code."""
-    # The first seven add their commands to those of the last.
-    from deixis.cli import bags, batch, history, live, questions, view, words  # noqa: F401
+    # The first eight add their commands to those of the last.
+    from deixis.cli import bags, batch, history, live, questions, tiles, view, words  # noqa: F401
     from deixis.cli.commands import app
 
     code: object = 0

@@ -72,6 +72,14 @@ class Symbols:
             found[positions == position] = code
         return found
 
+    def every(self) -> tuple[list[str], int]:
+        """Return all names, and what a number is to be raised by to be a position among them.
+
+        >>> Symbols(["cup", "mug"], ["world"]).every()
+        (['world', 'cup', 'mug'], 1)
+        """
+        return [*reversed(self._constants), *self._texts], len(self._constants)
+
     def texts(self, codes: NDArray[Any]) -> list[str]:
         """Return the names of many numbers."""
         texts, constants = self._texts, self._constants

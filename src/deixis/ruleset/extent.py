@@ -18,7 +18,7 @@ from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.checking import Ruleset
 from deixis.ruleset.model import Atom, Constant, Indicator, Negation, Rule, atoms
 
-_THINGS: Final[Mapping[Indicator, tuple[int, ...]]] = {
+THINGS: Final[Mapping[Indicator, tuple[int, ...]]] = {
     ("spatial_obj", 1): (0,),
     ("surface", 1): (0,),
     ("label", 3): (0,),
@@ -31,13 +31,13 @@ _THINGS: Final[Mapping[Indicator, tuple[int, ...]]] = {
 }
 """Arguments of base facts that are things; where there are two the things are linked."""
 
-_ORDERED: Final = frozenset({("figure_reference", 2), ("aspect", 7)})
+ORDERED: Final = frozenset({("figure_reference", 2), ("aspect", 7)})
 """Base facts that stand for pairs in figure-reference order only."""
 
 VIEWS: Final = frozenset({("viewpoint", 1), ("view_label", 2), ("aspect", 7), ("strict", 5), ("withheld", 3)})
 """Base facts that a new pose of a view changes."""
 
-_FAR: Final = 1 << 20
+FAR: Final = 1 << 20
 """More links than there are."""
 
 Ways = tuple[int, ...]
@@ -96,9 +96,9 @@ def extents(ruleset: Ruleset) -> dict[Indicator, Extent]:
 
 
 def _base(predicate: Indicator) -> Extent:
-    things = _THINGS.get(predicate, ())
+    things = THINGS.get(predicate, ())
     looks = frozenset(tuple(int(at != other) for other in range(len(things))) for at in range(len(things)))
-    figures = frozenset({0} if predicate in _ORDERED else ())
+    figures = frozenset({0} if predicate in ORDERED else ())
     return Extent(things, looks if things else frozenset(), figures, int(len(things) > 1))
 
 
@@ -126,10 +126,10 @@ def _joined(rules: Sequence[Rule], found: Mapping[Indicator, Extent]) -> Extent:
     if not bounded:
         return Extent(things, bounded=False)
     figures = frozenset.intersection(*(one.figures(things) for one in every)) if every else frozenset()
-    return Extent(things, frozenset(_outermost(looks)), figures, span)
+    return Extent(things, frozenset(outermost(looks)), figures, span)
 
 
-def _outermost(looks: Iterable[Ways]) -> Iterator[Ways]:
+def outermost(looks: Iterable[Ways]) -> Iterator[Ways]:
     """Yield those that are not everywhere as near as another."""
     every = set(looks)
     for one in every:
@@ -150,35 +150,33 @@ class _Reach:
         ]
         every = [*self._stated, *(used for denied in self._denied for used in denied)]
         self._no_surfaces = {
-            _name(only.args[0])
+            called(only.args[0])
             for goal in denials
             for only in goal.goals
             if len(goal.goals) == 1 and isinstance(only, Atom) and only.predicate == ("surface", 1)
         }
         self._bounded = all(extent.bounded for _, extent in every)
         self._links = _links(self._stated)
-        named = {name for atom, extent in self._stated for name in _named(atom, extent.things)}
-        self.places = [place for place, value in enumerate(rule.head.args) if _name(value) in named]
+        named = {name for atom, extent in self._stated for name in named_in(atom, extent.things)}
+        self.places = [place for place, value in enumerate(rule.head.args) if called(value) in named]
 
     def looks(self, things: Sequence[int]) -> set[Ways] | None:
         """Return what the rule looks at, from the things its head names; None where that has no bound."""
         if not self._bounded:
             return None
-        heads = [_name(self._head.args[place]) for place in things]
+        heads = [called(self._head.args[place]) for place in things]
         found: set[Ways] = set()
         # What is denied matters only where it is there, and then what it names is linked by it too.
         for part in ([], *self._denied):
             links = _links([*self._stated, *part])
             for atom, extent in part or self._stated:
-                named = list(_named(atom, extent.things))
+                named = list(named_in(atom, extent.things))
                 for ways in extent.looks:
                     steps = [
-                        min(
-                            links.get((head, name), _FAR) + way for name, way in zip(named, ways, strict=True)
-                        )
+                        min(links.get((head, name), FAR) + way for name, way in zip(named, ways, strict=True))
                         for head in heads
                     ]
-                    if not heads or max(steps) >= _FAR:
+                    if not heads or max(steps) >= FAR:
                         return None  # linked with none of what the head names
                     found.add(tuple(steps))
         return found
@@ -186,22 +184,22 @@ class _Reach:
     def figures(self, things: Sequence[int]) -> frozenset[int]:
         """Return which of the things that the head names are figures."""
         known = {
-            _name(atom.args[extent.things[at]]) for atom, extent in self._stated for at in extent.figures
+            called(atom.args[extent.things[at]]) for atom, extent in self._stated for at in extent.figures
         } | self._no_surfaces
-        return frozenset(at for at, place in enumerate(things) if _name(self._head.args[place]) in known)
+        return frozenset(at for at, place in enumerate(things) if called(self._head.args[place]) in known)
 
     def span(self, things: Sequence[int]) -> int:
         """Return how far the things that the head names are from each other."""
-        heads = [_name(self._head.args[place]) for place in things]
-        return max((self._links.get((one, two), _FAR) for one in heads for two in heads), default=0)
+        heads = [called(self._head.args[place]) for place in things]
+        return max((self._links.get((one, two), FAR) for one in heads for two in heads), default=0)
 
 
 def _links(used: Sequence[tuple[Atom, Extent]]) -> dict[tuple[str, str], int]:
     """Return how many links are at most between the things that some atoms name, where they all hold."""
-    names = sorted({name for atom, extent in used for name in _named(atom, extent.things)})
-    found = {(one, two): 0 if one == two else _FAR for one in names for two in names}
+    names = sorted({name for atom, extent in used for name in named_in(atom, extent.things)})
+    found = {(one, two): 0 if one == two else FAR for one in names for two in names}
     for atom, extent in used:
-        for one, two in permutations(_named(atom, extent.things), 2):
+        for one, two in permutations(named_in(atom, extent.things), 2):
             if one != two:
                 found[one, two] = min(found[one, two], extent.span)
     for by, one, two in product(names, repeat=3):
@@ -209,10 +207,11 @@ def _links(used: Sequence[tuple[Atom, Extent]]) -> dict[tuple[str, str], int]:
     return found
 
 
-def _named(atom: Atom, places: Iterable[int]) -> Iterator[str]:
-    return (_name(atom.args[place]) for place in places)
+def named_in(atom: Atom, places: Iterable[int]) -> Iterator[str]:
+    """Yield what stands at some places of an atom."""
+    return (called(atom.args[place]) for place in places)
 
 
-def _name(value: object) -> str:
+def called(value: object) -> str:
     """Return what a thing is called within a rule: a constant is not a variable of the same name."""
     return f"'{value.value}'" if isinstance(value, Constant) else str(getattr(value, "name", ""))

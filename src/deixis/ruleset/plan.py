@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -54,6 +54,10 @@ class Plan:
         What is to be derived.
     margins : bool
         Whether each row has its margin beside it.
+    near : sequence of Indicator
+        What is to be derived in the other reading.
+    stated : collection of Indicator
+        Predicates whose rows are known, in both readings, and not derived from their rules.
 
     Attributes
     ----------
@@ -68,10 +72,20 @@ class Plan:
         Names and strings that the rules speak of, sorted.
     """
 
-    def __init__(self, ruleset: Ruleset, wanted: Sequence[Indicator], *, margins: bool) -> None:
+    def __init__(
+        self,
+        ruleset: Ruleset,
+        wanted: Sequence[Indicator],
+        *,
+        margins: bool,
+        near: Sequence[Indicator] = (),
+        stated: Collection[Indicator] = (),
+    ) -> None:
         self.ruleset, self.wanted, self.margins = ruleset, tuple(wanted), margins
-        written = unfolded(ruleset)
-        every, self.once = written.rules, written.once
+        self.near, self.stated = tuple(near), frozenset(stated)
+        written = unfolded(ruleset, self.stated)
+        every = {one: rules for one, rules in written.rules.items() if one not in self.stated}
+        self.once = written.once
         self.rules = {one: tuple(rule for rule in rules if rule.body) for one, rules in every.items()}
         self.given = {one: tuple(rule for rule in rules if not rule.body) for one, rules in every.items()}
         self.needed = self._needed()
@@ -79,18 +93,25 @@ class Plan:
         self.constants = tuple(sorted(set(self._constants())))
 
     @classmethod
-    def of(cls, ruleset: Ruleset, wanted: Sequence[Indicator], *, margins: bool) -> Plan:
+    def of(
+        cls,
+        ruleset: Ruleset,
+        wanted: Sequence[Indicator],
+        *,
+        margins: bool,
+        near: Sequence[Indicator] = (),
+    ) -> Plan:
         """Return the plan, made once for a ruleset."""
-        key = tuple(wanted), margins
+        key = tuple(wanted), margins, tuple(near)
         known: Plan | None = ruleset.plans.get(key)
         if known is None:
-            known = ruleset.plans[key] = cls(ruleset, wanted, margins=margins)
+            known = ruleset.plans[key] = cls(ruleset, wanted, margins=margins, near=near)
         return known
 
     def _needed(self) -> set[Node]:
         """Return the tables that the wanted ones rest on."""
         found: set[Node] = set()
-        todo: list[Node] = [(one, "truth") for one in self.wanted]
+        todo: list[Node] = [*((one, "truth") for one in self.wanted), *((one, "near") for one in self.near)]
         while todo:
             node = todo.pop()
             if node in found:

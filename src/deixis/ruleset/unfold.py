@@ -5,7 +5,7 @@ Executors that derive whole relations at a time gain from it. What follows stays
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from typing import Final
@@ -62,10 +62,16 @@ class Unfolded:
     once: frozenset[Indicator]
 
 
-def unfolded(ruleset: Ruleset) -> Unfolded:
+def unfolded(ruleset: Ruleset, whole: Collection[Indicator] = ()) -> Unfolded:
     """Return the rules of each derived predicate, written out as far as that duplicates nothing.
 
-    They are written out once for a ruleset.
+    They are written out once for a ruleset and what is left whole.
+
+    Parameters
+    ----------
+    ruleset : Ruleset
+    whole : collection of Indicator
+        Predicates that nothing is put in the place of.
 
     Examples
     --------
@@ -75,13 +81,14 @@ def unfolded(ruleset: Ruleset) -> Unfolded:
     >>> [goal.name for goal in unfolded(rules).rules["above", 2][0].body if isinstance(goal, Atom)]
     ['figure_reference', 'pair']
     """
-    known: Unfolded | None = ruleset.plans.get(Unfolded)
+    key = Unfolded, frozenset(whole)
+    known: Unfolded | None = ruleset.plans.get(key)
     if known is None:
-        known = ruleset.plans[Unfolded] = _unfolded(ruleset)
+        known = ruleset.plans[key] = _unfolded(ruleset, frozenset(whole))
     return known
 
 
-def _unfolded(ruleset: Ruleset) -> Unfolded:
+def _unfolded(ruleset: Ruleset, whole: frozenset[Indicator]) -> Unfolded:
     recursive = ruleset.graph.recursive
     done: dict[Indicator, tuple[Rule, ...]] = {}
     keys = dict(KEYS)
@@ -91,7 +98,7 @@ def _unfolded(ruleset: Ruleset) -> Unfolded:
             if predicate in BASE_FACTS:
                 continue
             rules = ruleset.by_head.get(predicate, ())
-            plain = {one: done[one] for one in done if one not in recursive}
+            plain = {one: done[one] for one in done if one not in recursive and one not in whole}
             writer = _Writer(plain, keys, fresh)
             written = (writer.rule(rule) for rule in rules)
             done[predicate] = tuple(one for one in written if one is not None)

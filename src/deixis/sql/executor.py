@@ -46,6 +46,8 @@ class SqlExecutor:
         By default as many as there are processors.
     beside : SqlExecutor, optional
         Another executor, whose database serves for this one too: starting one takes longer than most rules.
+    connection : DuckDBPyConnection, optional
+        A database to work in, which stays open.
 
     Examples
     --------
@@ -62,13 +64,18 @@ class SqlExecutor:
     """
 
     def __init__(
-        self, ruleset: Ruleset, *, threads: int | None = None, beside: SqlExecutor | None = None
+        self,
+        ruleset: Ruleset,
+        *,
+        threads: int | None = None,
+        beside: SqlExecutor | None = None,
+        connection: duckdb.DuckDBPyConnection | None = None,
     ) -> None:
         self.ruleset = ruleset
         self._programs: dict[tuple[tuple[Indicator, ...], bool], tuple[Program, str]] = {}
-        self._connection: duckdb.DuckDBPyConnection = (
-            _database(threads) if beside is None else beside._connection
-        )
+        if connection is None:
+            connection = _database(threads) if beside is None else beside._connection
+        self._connection: duckdb.DuckDBPyConnection = connection
         self._deadline = math.inf
         self._lock: threading.Lock = threading.Lock() if beside is None else beside._lock
 
@@ -129,6 +136,18 @@ class SqlExecutor:
                     self._derive(program, step, limits)
                 found = self._execute(statement, limits).fetchnumpy()
         return _tables(program, found, symbols)
+
+    def derive(self, program: Program, limits: Mapping[str, float]) -> None:
+        """Make the tables of all steps of a program, where those it rests on are in the database already.
+
+        Raises
+        ------
+        EngineError
+            DuckDB failed, for want of space for instance.
+        """
+        with self._lock, self._answering(None):
+            for step in program.steps:
+                self._derive(program, step, limits)
 
     def _program(self, wanted: tuple[Indicator, ...], margins: bool) -> tuple[Program, str]:
         known = self._programs.get((wanted, margins))
@@ -240,6 +259,8 @@ def _database(threads: int | None) -> duckdb.DuckDBPyConnection:
     settings: dict[str, str | bool | int | float | list[str]] = dict(_SETTINGS)
     settings["threads"] = threads or os.cpu_count() or 1
     connection = duckdb.connect(":memory:", config=settings)
+    # It would be drawn on stdout, among the answers.
+    connection.execute("SET enable_progress_bar = false")
     connection.execute("SET lock_configuration = true")
     return connection
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import cached_property
 from typing import Final
 
@@ -26,10 +26,19 @@ class Program(Plan):
         What is to be derived.
     margins : bool
         Whether each row has its margin beside it.
+    stated : collection of Indicator
+        Predicates whose rows are in tables already, of each reading one, with their margins.
     """
 
-    def __init__(self, ruleset: Ruleset, wanted: Sequence[Indicator], *, margins: bool) -> None:
-        super().__init__(ruleset, wanted, margins=margins)
+    def __init__(
+        self,
+        ruleset: Ruleset,
+        wanted: Sequence[Indicator],
+        *,
+        margins: bool,
+        stated: Collection[Indicator] = (),
+    ) -> None:
+        super().__init__(ruleset, wanted, margins=margins, stated=stated)
         self.thresholds: set[str] = set()
         self._read: set[str] = set()
         self._alike: dict[str, list[Indicator]] = {}
@@ -37,14 +46,16 @@ class Program(Plan):
             self._alike.setdefault(_plain(one), []).append(one)
         self.names = Names(
             tables=self._tables(),
-            has_margin=frozenset(n for n in self.needed if margins and self.rules.get(n[0])),
+            has_margin=frozenset(
+                n for n in self.needed if margins and (self.rules.get(n[0]) or n[0] in self.stated)
+            ),
             codes={text: -1 - at for at, text in enumerate(self.constants)},
             lengths=ruleset.lengths,
             margins=margins,
         )
         self._result = self._select_all()
         self._read |= {self.names.tables[one, "truth"] for one in self.wanted}
-        names = {one: self.given_name(one) for one, _ in sorted(self.needed)}
+        names = {one: self.given_name(one) for one, _ in sorted(self.needed) if one not in self.stated}
         self.given_tables = {one: name for one, name in names.items() if name in self._read}
 
     @property
@@ -56,7 +67,7 @@ class Program(Plan):
         """Return the name of each node's table: derived by rules, or given as facts."""
         return {
             (predicate, mode): self._table_name(predicate, mode)
-            if self.rules.get(predicate)
+            if self.rules.get(predicate) or predicate in self.stated
             else self.given_name(predicate)
             for predicate, mode in self.needed
         }
