@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import os
-import secrets
 import signal
-import tempfile
-from collections.abc import Iterator
 from pathlib import Path
-from unittest.mock import patch
 
 import pytest
-import ray
 
+from cluster import MARK, cluster  # noqa: F401 - a fixture
 from datasets import as_lines, crowd, rooms
 from deixis.batch import Relate
 from deixis.batch.folder import Counts
@@ -23,28 +19,6 @@ pytestmark = [
     # Ray's own, from within.
     pytest.mark.filterwarnings("ignore::DeprecationWarning:ray.*"),
 ]
-
-MARK = "DEIXIS_TEST_CLUSTER"
-
-
-@pytest.fixture(scope="module")
-def cluster() -> Iterator[str]:
-    """Start two workers that only this process may use; return what their environment is known by."""
-    name = secrets.token_hex(16)
-    private = {MARK: name, "RAY_USAGE_STATS_ENABLED": "0", "RAY_AUTH_TOKEN": name}
-    # Not below pytest's folder: the path of a socket must be short.
-    with patch.dict(os.environ, private), tempfile.TemporaryDirectory(prefix="ray") as folder:
-        ray.init(
-            num_cpus=2,
-            object_store_memory=80 << 20,
-            include_dashboard=False,
-            log_to_driver=False,
-            logging_level="error",
-            _node_ip_address="127.0.0.1",
-            _temp_dir=folder,
-        )
-        yield name
-        ray.shutdown()
 
 
 def workers(cluster: str) -> list[int]:

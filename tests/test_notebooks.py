@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,8 @@ from deixis.view import available
 
 NOTEBOOKS = sorted((Path(__file__).resolve().parent.parent / "notebooks").glob("*.ipynb"))
 
-SECONDS = 20.0
+SECONDS = 60.0
+"""That a cell may take."""
 
 PROMISED = {
     "00_hello_scene": [
@@ -56,6 +56,15 @@ PROMISED = {
         "stool is on top of the floor",
         "the stool is right_of the table",
     ],
+    "05_streams_and_datasets": [
+        "2 s - left_of('cup','book','v0'): The cup is not left of the book",
+        "9 s + on_top_of('cup','shelf'): The cup is on top of the shelf, because",
+        "on the shelf since 3600.0 s after the first visit",
+        "on the table after half an hour: ['book', 'cup']",
+        "100 scenes, 1 refused",
+        "rooms.jsonl:42 | the scene: not JSON at line 1",
+        "the same: True 3778",
+    ],
 }
 """What each notebook prints, among other things."""
 
@@ -95,12 +104,10 @@ def test_it_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     # Not stored with it: in the test, a warning in any cell is an error.
     strict = "import warnings\nwarnings.simplefilter('error')"
     notebook.cells.insert(0, nbformat.v4.new_code_cell(strict))
-    start = time.monotonic()
     client = NotebookClient(
         notebook, timeout=SECONDS, kernel_name="python3", resources={"metadata": {"path": str(path.parent)}}
     )
     client.execute()
-    assert time.monotonic() - start < SECONDS
     text = printed(notebook)
     assert stored in ("", text)
     assert [words for words in PROMISED[path.stem] if words not in text] == []

@@ -19,6 +19,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from cluster import cluster  # noqa: F401 - a fixture
 from commands import call, run
 from deixis._files import datalog_files
 from deixis.broadphase import candidate_rows, plan_bounds, reach
@@ -395,8 +396,9 @@ def test_processes_share_the_tiles(tmp_path: Path) -> None:
     assert union(tmp_path / "one") == union(tmp_path / "two")
 
 
+@pytest.mark.filterwarnings("ignore::DeprecationWarning:ray.*")  # Ray's own, from within
+@pytest.mark.usefixtures("cluster")
 def test_ray_shares_the_tiles(tmp_path: Path) -> None:
-    pytest.importorskip("ray")
     pq.write_table(table(), tmp_path / "map.parquet")
     for name in ("local", "ray"):
         run_tiles([tmp_path / "map.parquet"], tmp_path / name, size=5.0, workers=2, engine=name)

@@ -15,6 +15,7 @@ from deixis.errors import MapError
 from deixis.semantic_map.history import SemanticMap
 from deixis.semantic_map.records import Row
 from deixis.semantic_map.store import by_column, columns_of, migrations
+from deixis.sql import silence
 from deixis.strict_json import quoted
 
 _SETTINGS: Final[dict[str, str | bool | int | float | list[str]]] = {
@@ -69,7 +70,9 @@ class DuckdbMap(SemanticMap):
     def _connect(self, path: Path, deadline: float) -> duckdb.DuckDBPyConnection:
         while True:
             try:
-                return duckdb.connect(str(path), config=_SETTINGS)
+                connection = duckdb.connect(str(path), config=_SETTINGS)
+                silence(connection)
+                return connection
             except duckdb.IOException as error:
                 if "lock" not in str(error):
                     raise MapError(f"{self.address} cannot be opened: {error}") from error

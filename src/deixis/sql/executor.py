@@ -255,12 +255,18 @@ class SqlExecutor:
             raise QueryTimeout(f"no answer within {timeout:g} s: ask something narrower, or allow more time")
 
 
+def silence(connection: duckdb.DuckDBPyConnection) -> None:
+    """Have a database draw no progress bar: it would be on stdout, among the answers."""
+    # In a notebook there is none, and to say so is an error where ipywidgets is missing.
+    if connection.execute("SELECT current_setting('enable_progress_bar')").fetchall() == [(True,)]:
+        connection.execute("SET enable_progress_bar = false")
+
+
 def _database(threads: int | None) -> duckdb.DuckDBPyConnection:
     settings: dict[str, str | bool | int | float | list[str]] = dict(_SETTINGS)
     settings["threads"] = threads or os.cpu_count() or 1
     connection = duckdb.connect(":memory:", config=settings)
-    # It would be drawn on stdout, among the answers.
-    connection.execute("SET enable_progress_bar = false")
+    silence(connection)
     connection.execute("SET lock_configuration = true")
     return connection
 

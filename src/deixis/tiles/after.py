@@ -24,7 +24,7 @@ from deixis.ruleset.extent import THINGS
 from deixis.ruleset.model import Constant
 from deixis.ruleset.plan import Node
 from deixis.ruleset.tables import listed
-from deixis.sql import SqlExecutor
+from deixis.sql import SqlExecutor, silence
 from deixis.sql.program import Program
 from deixis.tiles.measure import box_facts
 from deixis.tiles.store import FILES, Tile
@@ -83,7 +83,7 @@ def _database(folder: Path, memory: int) -> Iterator[Any]:
     }
     try:
         with duckdb.connect(str(place), config=settings) as base:
-            base.execute("SET enable_progress_bar = false")
+            silence(base)
             yield base
     except duckdb.Error as error:
         raise EngineError(f"the tiles cannot be put together: {error}") from error

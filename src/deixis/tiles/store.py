@@ -17,6 +17,7 @@ from deixis.boxes import Boxes
 from deixis.errors import EngineError, GeometryError, ReaderError, SceneError
 from deixis.frames import Array, Mask
 from deixis.scene import Scene
+from deixis.sql import silence
 from deixis.strict_json import quoted
 from deixis.tiles.schema import BOXES
 from deixis.tiles.sources import batches
@@ -112,7 +113,7 @@ def cut(folder: Path, size: float | None, memory: int) -> tuple[float, list[Tile
     }
     try:
         with duckdb.connect(":memory:", config=settings) as base:
-            base.execute("SET enable_progress_bar = false")
+            silence(base)
             base.read_parquet(str(folder / "told.parquet")).create_view("told")
             twice = base.execute(_TWICE).fetchall()
             if twice:
