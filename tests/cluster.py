@@ -1,4 +1,4 @@
-"""A Ray cluster on this machine, for the tests of a module."""
+"""A Ray cluster on this machine, for the tests of a module: the fixture `cluster`."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from unittest.mock import patch
 
 import pytest
-import ray
 
 MARK = "DEIXIS_TEST_CLUSTER"
 
@@ -21,6 +20,9 @@ TOKEN = secrets.token_hex(16)
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[str]:
     """Start two workers that only this process may use; return what their environment is known by."""
+    # Not at the top: it takes seconds, and all tests know this fixture.
+    import ray
+
     private = {MARK: TOKEN, "RAY_USAGE_STATS_ENABLED": "0", "RAY_AUTH_TOKEN": TOKEN}
     # Not below pytest's folder: the path of a socket must be short.
     with patch.dict(os.environ, private), tempfile.TemporaryDirectory(prefix="ray") as folder:

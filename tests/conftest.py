@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from cluster import cluster  # noqa: F401 - a fixture
 from deixis._files import theory_files
 from deixis.knowledge import KnowledgeBase
 from deixis.prolog import PrologEngine

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from cluster import MARK, cluster  # noqa: F401 - a fixture
+from cluster import MARK
 from datasets import as_lines, crowd, rooms
 from deixis.batch import Relate
 from deixis.batch.folder import Counts

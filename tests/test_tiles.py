@@ -19,7 +19,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from cluster import cluster  # noqa: F401 - a fixture
 from commands import call, run
 from deixis._files import datalog_files
 from deixis.broadphase import candidate_rows, plan_bounds, reach
