@@ -40,7 +40,8 @@ Distance = 0.0, Separation = -0.005.
     pair/9,
     aspect/7,
     strict/5,
-    withheld/3.
+    withheld/3,
+    box_volume/2.
 
 %!  spatial_obj(?Object) is nondet.
 %
@@ -100,3 +101,6 @@ Distance = 0.0, Separation = -0.005.
 %!  withheld(?Reference, ?View, ?Reason) is nondet.
 %
 %   Nothing is said of what is in front of, behind or beside Reference in View, for a Reason.
+
+%   box_volume(?Object, ?Volume): the volume of Object's box. Not exported, since it is for sentences alone: they say
+%   the order of figure and reference of things out of each other's reach too.

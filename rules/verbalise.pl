@@ -14,10 +14,6 @@
 :- use_module(naming).
 :- use_module(words).
 
-%   box_volume(?Object, ?Volume), beside the facts: the volume of Object's box. No rule may rest on it; sentences
-%   name the order of figure and reference by it also where things are out of each other's reach.
-:- dynamic facts:box_volume/2.
-
 /** <module> Proofs in words
 
 Turns the nodes of explain.pl into sentences by templates: those of the language that is spoken, and those

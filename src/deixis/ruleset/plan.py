@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.checking import Ruleset
 from deixis.ruleset.model import (
     Atom,
@@ -85,6 +86,8 @@ class Plan:
         self.near, self.stated = tuple(near), frozenset(stated)
         written = unfolded(ruleset, self.stated)
         every = {one: rules for one, rules in written.rules.items() if one not in self.stated}
+        # Declared in a rule file, and stated or used nowhere.
+        every |= {one: () for one in (*wanted, *near) if one not in every and one not in BASE_FACTS}
         self.once = written.once
         self.rules = {one: tuple(rule for rule in rules if rule.body) for one, rules in every.items()}
         self.given = {one: tuple(rule for rule in rules if not rule.body) for one, rules in every.items()}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -22,7 +23,6 @@ _SETTINGS: Final[dict[str, str | bool | int | float | list[str]]] = {
     "autoinstall_known_extensions": "false",
     "autoload_known_extensions": "false",
     "enable_external_access": "false",
-    "lock_configuration": "true",
 }
 
 _PATIENCE: Final = 10.0
@@ -30,6 +30,9 @@ _PATIENCE: Final = 10.0
 
 _AGAIN: Final = 0.05
 """Seconds between two attempts."""
+
+_OPENING: Final = threading.Lock()
+"""Connections of one process to a file share its settings, and the first makes them."""
 
 
 class DuckdbMap(SemanticMap):
@@ -70,9 +73,8 @@ class DuckdbMap(SemanticMap):
     def _connect(self, path: Path, deadline: float) -> duckdb.DuckDBPyConnection:
         while True:
             try:
-                connection = duckdb.connect(str(path), config=_SETTINGS)
-                silence(connection)
-                return connection
+                with _OPENING:
+                    return _locked(duckdb.connect(str(path), config=_SETTINGS))
             except duckdb.IOException as error:
                 if "lock" not in str(error):
                     raise MapError(f"{self.address} cannot be opened: {error}") from error
@@ -129,3 +131,11 @@ class DuckdbMap(SemanticMap):
             self._connection.execute(f"INSERT INTO {table} ({', '.join(columns)}) SELECT * FROM told")
         finally:
             self._connection.unregister("told")
+
+
+def _locked(connection: duckdb.DuckDBPyConnection) -> duckdb.DuckDBPyConnection:
+    """Return a connection whose settings stay as they are."""
+    if connection.execute("SELECT current_setting('lock_configuration')").fetchall() == [(False,)]:
+        silence(connection)
+        connection.execute("SET lock_configuration = true")
+    return connection
