@@ -17,6 +17,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from importlib.metadata import version
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -24,9 +25,11 @@ import numpy as np
 from bench import batch_bench, growth, rules_bench, server_bench, shapely_loop, tiles_bench
 from bench.job import Answers, room
 from deixis.grounding import ground
+from deixis.knowledge import KnowledgeBase
 from deixis.parallel import WORKERS
 from deixis.regrounding import reground
 from deixis.scene import BoxRegion, Scene, SpatialObject, View
+from deixis.updates import Update
 from postgis_server import PostgisUnavailable, postgis
 
 THROUGHPUT_AT = 100_000
@@ -151,9 +154,34 @@ def updates(count: int = 1_000) -> Iterator[str]:
     for name, after in changes.items():
         seconds = median(partial(reground, scene, facts, after))
         rows.append((name, _seconds(seconds), number(seconds / full)))
-    yield f"{count:,} things, {len(facts):,} ordered pairs within reach, one view."
+    for name, seconds in _followed(scene):
+        rows.append((name, _seconds(seconds), number(seconds / full)))
+    yield (
+        f"{count:,} things, {len(facts):,} ordered pairs within reach, one view. First the facts alone, then "
+        "`KnowledgeBase.update`: from what is told to the relations gained and lost, with the margins of all."
+    )
     yield ""
     yield from table(("update", "time", "part of a full run"), rows)
+
+
+def _followed(scene: Scene) -> Iterator[tuple[str, float]]:
+    """Yield what a change costs from what is told to what holds; things go to and fro."""
+    steps = cycle([0.1, -0.1])
+    names = [thing.id for thing in scene.objects[3:]]
+    at = scene.views[0].position
+    with KnowledgeBase(scene) as kb:
+
+        def moved(some: Sequence[str]) -> object:
+            step = next(steps)
+            return kb.update(Update.from_dict({"moves": {name: [step, 0.0, 0.0] for name in some}}, kb.scene))
+
+        def seen() -> object:
+            return kb.update(Update(views=(View("robot", "robot", at + np.array([next(steps), 0.0, 0.0])),)))
+
+        chosen = cycle(names[:200])
+        yield "relations: the robot moved", median(seen)
+        yield "relations: 1 thing moved", median(lambda: (moved([one := next(chosen)]), moved([one]))) / 2.0
+        yield "relations: 10 things moved", median(lambda: (moved(names[:10]), moved(names[:10]))) / 2.0
 
 
 def _moved(scene: Scene, count: int) -> Scene:
