@@ -19,6 +19,7 @@ from typing import Any
 
 import pytest
 
+from commands import run
 from deixis import KnowledgeBase, Scene
 from deixis.server.events import Events
 from deixis.server.store import Store
@@ -454,9 +455,10 @@ def test_it_says_that_it_serves_when_it_listens() -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
-        with pytest.raises(AssertionError, match="is the port taken") as refused:
-            start(HANS, port=taken.getsockname()[1])
-    assert "serving" not in str(refused.value)
+        refused = run("serve", HANS, "--port", str(taken.getsockname()[1]))
+    assert refused.code == 2
+    assert "is the port taken" in refused.err
+    assert "serving" not in refused.err
 
 
 def crash(folder: Path, times: int, seed: int) -> None:
