@@ -27,8 +27,8 @@ def run() -> None:
             [(one.relation, one.figure, one.reference, one.view, one.margin) for one in found],
         )
         for goal in (
-            "affixed_on(extinguisher1, wall)",
             "leans_on(extinguisher2, wall)",
+            "affixed_on(sign, wall)",
             "on_top_of(sweater, heater)",
         ):
             proof = kb.why(goal).proof
