@@ -27,7 +27,7 @@ def test_the_readme_tells_how_far_the_relations_agree() -> None:
     table = [line.rstrip() for line in printed.getvalue().split("\n\n")[0].splitlines()]
     figures = {line[:50].rstrip(): line.split()[-3:] for line in table}
 
-    (shown,) = (block for block in blocks("text") if block["text"].startswith("labels / relations "))
+    (shown,) = (block for block in blocks("text") if block.text.startswith("labels / relations "))
     check(shown, "\n".join([*table, ""]))
     text = " ".join(README.read_text(encoding="utf-8").split())
     said = re.search(r"precision (\.\d+), recall (\.\d+), F1 (\.\d+)\.", text)

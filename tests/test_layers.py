@@ -1,4 +1,4 @@
-"""Modules import only downwards, the contract that says so can fail, and the README draws the same layers."""
+"""Modules import only downwards, the contract that says so can fail, and the guide draws the same layers."""
 
 from __future__ import annotations
 
@@ -65,9 +65,9 @@ def test_a_wrong_import_breaks_the_contracts(
     assert broken in result.stdout
 
 
-def test_readme_draws_the_layers(root: Path) -> None:
-    """A fenced block of README.md has a line for each layer: names, then perhaps words after two spaces."""
-    blocks = (root / "README.md").read_text(encoding="utf-8").split("```")[1::2]
+def test_the_guide_draws_the_layers(root: Path) -> None:
+    """A fenced block of architecture.md has a line for each layer: names, then perhaps words after two spaces."""
+    blocks = (root / "kb" / "guide" / "architecture.md").read_text(encoding="utf-8").split("```")[1::2]
     drawings = [
         [[name.strip() for name in line.split("  ")[0].split("|")] for line in block.splitlines()[1:] if line]
         for block in blocks

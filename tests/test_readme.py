@@ -1,4 +1,4 @@
-"""The README is true: its commands and examples give the output it prints, its links lead somewhere.
+"""README.md and the guide are true: commands and examples give the output shown, links lead somewhere.
 
 The text block after a command is that command's output; ``...`` in it stands for anything. Where output has
 changed for a good reason, ``DEIXIS_BLESS=1 pytest tests/test_readme.py`` writes blocks without ``...`` anew.
@@ -27,18 +27,23 @@ from deixis.cli.commands import app
 from draw import PICTURE, SCENE, figure_3
 from endpoint import serving
 from postgis_server import PostgisUnavailable, postgis
-from readme import README, blocks, check, shown_after
+from readme import PAGES, README, Block, blocks, check, shown_after
 
 EXAMPLES = json.loads(
     (README.parent / "src" / "deixis" / "server" / "page" / "examples.json").read_text(encoding="utf-8")
 )
 
 
-@pytest.mark.parametrize("number", range(len(blocks("sh"))))
-def test_commands_print_what_the_readme_shows(number: int, root: Path) -> None:
-    block = blocks("sh")[number]
+COMMANDS = README.parent / "kb" / "guide" / "README.md"
+"""The guide's first page, with the table of all commands."""
+
+RULES = COMMANDS.with_name("rules.md")
+
+
+@pytest.mark.parametrize("block", blocks("sh"), ids=str)
+def test_commands_print_what_is_shown(block: Block, root: Path) -> None:
     printed = ""
-    for line in block["text"].splitlines():
+    for line in block.text.splitlines():
         typed = shlex.split(line, comments=True)
         if typed == ["make", "demo"]:
             typed = ["deixis", "demo"]
@@ -52,11 +57,10 @@ def test_commands_print_what_the_readme_shows(number: int, root: Path) -> None:
     check(shown_after(block), printed)
 
 
-@pytest.mark.parametrize("number", range(len(blocks("python"))))
-def test_python_prints_what_the_readme_shows(number: int, root: Path) -> None:
-    block = blocks("python")[number]
+@pytest.mark.parametrize("block", blocks("python"), ids=str)
+def test_python_prints_what_is_shown(block: Block, root: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", block["text"]],
+        [sys.executable, "-W", "error", "-c", block.text],
         cwd=root,
         capture_output=True,
         text=True,
@@ -67,18 +71,18 @@ def test_python_prints_what_the_readme_shows(number: int, root: Path) -> None:
     check(shown_after(block), done.stdout)
 
 
-def test_the_server_answers_what_the_readme_shows(root: Path) -> None:
-    """The first line starts the server, which here is on another port."""
-    (shell,) = (one for one in blocks("bash") if one["text"].startswith("deixis serve"))
-    (client,) = blocks("py")
-    first, commands = shell["text"].split("\n", 1)
+@pytest.mark.parametrize(
+    "shell", [one for one in blocks("bash") if one.text.startswith("deixis serve")], ids=str
+)
+def test_the_server_answers_what_is_shown(shell: Block, root: Path) -> None:
+    """The first line starts the server, which here is on another port; what follows are its clients."""
+    first, commands = shell.text.split("\n", 1)
     _, name, *scenes, _ = first.split()
     assert name == "serve"
+    clients = [(shell, ["sh", "-e", "-c", commands])]
+    clients += [(one, [sys.executable, "-c", one.text]) for one in blocks("py", shell.page)]
     with serving(*(root / scene for scene in scenes)) as server:
-        for block, command in (
-            (shell, ["sh", "-e", "-c", commands]),
-            (client, [sys.executable, "-c", client["text"]]),
-        ):
+        for block, command in clients:
             command[-1] = command[-1].replace("http://localhost:7878", server.url)
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             assert (done.returncode, done.stderr) == (0, "")
@@ -89,9 +93,9 @@ def test_the_server_answers_what_the_readme_shows(root: Path) -> None:
             )
 
 
-def test_a_living_scene_is_followed_as_the_readme_shows(root: Path, tmp_path: Path) -> None:
-    (block,) = (one for one in blocks("bash") if one["text"].startswith("export DEIXIS_TOKEN"))
-    token, first, commands = block["text"].split("\n", 2)
+def test_a_living_scene_is_followed_as_is_shown(root: Path, tmp_path: Path) -> None:
+    (block,) = (one for one in blocks("bash") if one.text.startswith("export DEIXIS_TOKEN"))
+    token, first, commands = block.text.split("\n", 2)
     _, _, *arguments, scene, _ = first.split()
     with serving(*arguments, root / scene, env={"DEIXIS_TOKEN": token.partition("=")[2]}) as server:
         script = f"{token}\n{commands.replace('http://localhost:7878', server.url)}wait"
@@ -102,13 +106,13 @@ def test_a_living_scene_is_followed_as_the_readme_shows(root: Path, tmp_path: Pa
     check(shown_after(block), done.stdout)
 
 
-def test_the_map_tells_what_the_readme_shows(root: Path, tmp_path: Path) -> None:
+def test_the_map_tells_what_is_shown(root: Path, tmp_path: Path) -> None:
     """The commands are run where they may leave files; the query is asked of what they export."""
     (tmp_path / "kb").symlink_to(root / "kb")
     tools = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
-    for block in (one for one in blocks("bash") if "deixis map" in one["text"]):
+    for block in (one for one in blocks("bash") if "deixis map" in one.text):
         done = subprocess.run(
-            ["sh", "-e", "-c", block["text"]],
+            ["sh", "-e", "-c", block.text],
             cwd=tmp_path,
             env=tools,
             capture_output=True,
@@ -121,22 +125,22 @@ def test_the_map_tells_what_the_readme_shows(root: Path, tmp_path: Path) -> None
     store = ox.Store()
     store.load(path=tmp_path / "hall.trig")
     (query,) = blocks("sparql")
-    found = store.query(query["text"], prefixes=EXAMPLES["prefixes"], use_default_graph_as_union=True)
+    found = store.query(query.text, prefixes=EXAMPLES["prefixes"], use_default_graph_as_union=True)
     check(shown_after(query), "".join(" | ".join(one.value for one in row) + "\n" for row in found))
 
 
-def test_a_recording_tells_what_the_readme_shows(tmp_path: Path) -> None:
-    (block,) = (one for one in blocks("bash") if one["text"].startswith("deixis bag"))
+def test_a_recording_tells_what_is_shown(tmp_path: Path) -> None:
+    (block,) = (one for one in blocks("bash") if one.text.startswith("deixis bag"))
     kitchen(tmp_path / "kitchen")
-    check(shown_after(block), run(*shlex.split(block["text"])[1:], cwd=tmp_path).out)
+    check(shown_after(block), run(*shlex.split(block.text)[1:], cwd=tmp_path).out)
 
 
-def test_the_data_set_tells_what_the_readme_shows(root: Path, tmp_path: Path) -> None:
-    (block,) = (one for one in blocks("bash") if one["text"].startswith("deixis batch"))
+def test_the_data_set_tells_what_is_shown(root: Path, tmp_path: Path) -> None:
+    (block,) = (one for one in blocks("bash") if one.text.startswith("deixis batch"))
     (tmp_path / "kb").symlink_to(root / "kb")
     path = os.pathsep.join((str(Path(sys.executable).parent), os.environ["PATH"]))
     done = subprocess.run(
-        ["sh", "-e", "-c", block["text"]],
+        ["sh", "-e", "-c", block.text],
         cwd=tmp_path,
         env={**os.environ, "PATH": path},
         capture_output=True,
@@ -148,23 +152,23 @@ def test_the_data_set_tells_what_the_readme_shows(root: Path, tmp_path: Path) ->
     check(shown_after(block), done.stdout.replace("\n\n", "\n"))
 
 
-def test_postgis_measures_what_the_readme_shows(root: Path) -> None:
-    (block,) = (one for one in blocks("bash") if one["text"].startswith("deixis relations"))
+def test_postgis_measures_what_is_shown(root: Path) -> None:
+    (block,) = (one for one in blocks("bash") if one.text.startswith("deixis relations"))
     try:
         with postgis() as address:
             home = quote(address.split()[0].removeprefix("host="), safe="")
             place = f"postgresql://deixis@/postgres?host={home}"
-            command = block["text"].replace("postgresql:///robot", place)
+            command = block.text.replace("postgresql:///robot", place)
             check(shown_after(block), run(*shlex.split(command)[1:], cwd=root).out)
     except PostgisUnavailable as reason:
         pytest.skip(str(reason))
 
 
-def test_prolog_answers_what_the_readme_shows(root: Path) -> None:
-    rule, _, own = blocks("prolog")
-    for block, name in ((rule, "commonsense"), (own, "safety")):
-        assert f"\n{block['text']}\n" in (root / "rules" / f"{name}.pl").read_text(encoding="utf-8")
-    command, *dialogue = shown_after(rule)["text"].splitlines()
+def test_prolog_answers_what_is_shown(root: Path) -> None:
+    rule, _, own = blocks("prolog", RULES)
+    for block, name in ((rule, "commonsense"), (own, "safety"), (*blocks("prolog", README), "commonsense")):
+        assert f"\n{block.text}\n" in (root / "rules" / f"{name}.pl").read_text(encoding="utf-8")
+    command, *dialogue = shown_after(rule).text.splitlines()
     # At a terminal, ; asks for the next answer; in a pipe it is a line of its own and not echoed.
     typed, answers = "", []
     for line in dialogue:
@@ -181,11 +185,11 @@ def test_prolog_answers_what_the_readme_shows(root: Path) -> None:
         assert found, f"{answer!r} is not in {before!r}"
 
 
-def test_rules_of_ones_own_are_checked_as_the_readme_shows(tmp_path: Path) -> None:
-    _, own, _ = blocks("prolog")
-    (tmp_path / "my.pl").write_text(own["text"], encoding="utf-8")
+def test_rules_of_ones_own_are_checked_as_is_shown(tmp_path: Path) -> None:
+    _, own, _ = blocks("prolog", RULES)
+    (tmp_path / "my.pl").write_text(own.text, encoding="utf-8")
     assert run("relations", SCENE, "--rules", tmp_path / "my.pl", "--relation", "rests_on").code == 0
-    (tmp_path / "my.pl").write_text(own["text"].replace("on_top_of", "on_topof", 1), encoding="utf-8")
+    (tmp_path / "my.pl").write_text(own.text.replace("on_top_of", "on_topof", 1), encoding="utf-8")
     result = run("rules", "check", "my.pl", cwd=tmp_path)
     assert (result.code, result.err) == (1, "")
     check(shown_after(own), result.out)
@@ -193,7 +197,7 @@ def test_rules_of_ones_own_are_checked_as_the_readme_shows(tmp_path: Path) -> No
 
 def test_the_table_of_commands_is_complete() -> None:
     table = dict(
-        re.findall(r"^\| `deixis ([\w-]+)(.*) \|$", README.read_text(encoding="utf-8"), re.MULTILINE)
+        re.findall(r"^\| `deixis ([\w-]+)(.*) \|$", COMMANDS.read_text(encoding="utf-8"), re.MULTILINE)
     )
     commands = {command.name or command.callback.__name__ for command in app.registered_commands}
     commands |= {group.name for group in app.registered_groups}
@@ -204,9 +208,17 @@ def test_the_table_of_commands_is_complete() -> None:
         assert [option for option in options if option not in shown] == []
 
 
-def test_links_lead_somewhere(root: Path) -> None:
-    links = re.findall(r"\]\(([^)]+)\)", README.read_text(encoding="utf-8"))
-    assert [link for link in links if not link.startswith("https://") and not (root / link).exists()] == []
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_links_lead_somewhere(page: Path) -> None:
+    links = re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8"))
+    inside = [link for link in links if not link.startswith("https://")]
+    assert [link for link in inside if not (page.parent / link).exists()] == []
+
+
+def test_every_page_of_the_guide_is_named_in_it() -> None:
+    for index in (README, COMMANDS):
+        text = index.read_text(encoding="utf-8")
+        assert [page.name for page in PAGES if page not in (README, COMMANDS) and page.name not in text] == []
 
 
 def test_the_picture_is_drawn_from_the_scene() -> None:

@@ -177,7 +177,7 @@ def test_the_page_is_small_and_names_its_licences() -> None:
 @built
 def test_the_readme_s_command_writes_it(tmp_path: Path) -> None:
     (block,) = blocks("shell")
-    first, second = block["text"].splitlines()
+    first, second = block.text.splitlines()
     assert first.startswith("make page ")
     name, *words = shlex.split(second)
     assert (name, words[-1]) == ("deixis", "scene.html")
