@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from deixis.errors import QueryError
+from deixis.rdf.complaints import complaint
 from deixis.rdf.functions import Functions
 from deixis.rdf.oxigraph import ox
 
@@ -136,7 +137,7 @@ class Evaluator:
             try:
                 return self._store.query(query, **options)
             except SyntaxError as error:
-                raise QueryError(f"the query is not well formed: {_told(error)}") from None
+                raise QueryError(f"the query is not well formed: {complaint(error, query)}") from None
             except RuntimeError as error:
                 raise QueryError(f"the query cannot be answered: {error}") from None
 
@@ -200,7 +201,7 @@ class Evaluator:
         try:
             self._store.update(text, base_iri=base)
         except SyntaxError as error:
-            raise QueryError(f"the update is not well formed: {_told(error)}") from None
+            raise QueryError(f"the update is not well formed: {complaint(error, text)}") from None
         except (OSError, RuntimeError, ValueError) as error:
             raise QueryError(f"the update failed: {error}") from None
         return self._own(fixed)
