@@ -341,8 +341,10 @@ opposed(Goal, M:Other, Text) :-
         (   best_proof(M:Other, Holding)
         ->  node_text(Holding, OtherText),
             saying(both_hold, [Fact, OtherText], Text)
-        ;   denied_text(Other, Denied),
-            hindrances(M:Other, Reasons),
+        ;   strip_module(Goal, _, Said),
+            subject(Said, Subject),
+            going_on(Other, denied_text(Other, Denied), Subject, Next),
+            hindrances(M:Other, Next, Reasons),
             (   Reasons == []
             ->  saying(but, [Fact, Denied], Text)
             ;   joined(Reasons, Reason),
@@ -354,13 +356,14 @@ opposed(Goal, M:Other, Text) :-
         saying(nothing_to_contrast, [Fact], Text)
     ).
 
-%   hindrances(:Goal, -Texts): what keeps Goal from holding, by the rule that comes closest.
+%   hindrances(:Goal, +Subject, -Texts): what keeps Goal from holding, by the rule that comes closest, as clauses
+%   about Subject.
 
-hindrances(M:Goal, Texts) :-
-    (   hindrance(Goal, Text)
+hindrances(M:Goal, Subject, Texts) :-
+    (   going_on(Goal, hindrance(Goal, Text), Subject, _)
     ->  Texts = [Text]
     ;   misses(M:Goal, [Miss|_])
-    ->  obstacles(Miss, Texts)
+    ->  obstacles(Miss, Subject, Texts)
     ;   Texts = []
     ).
 

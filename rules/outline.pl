@@ -16,22 +16,36 @@ The nodes of explain.pl as dicts for other renderers, with exact numbers, and as
 %!  node_dict(+Node, -Dict) is det.
 %
 %   Dict is Node for other renderers: kind, predicate and arguments, sentence, margin (null where no length
-%   is involved), axiom, rule file and line, whether the outline for people shows it, and children.
+%   is involved), axiom, rule file and line, whether the outline for people shows it, and children. Each
+%   first reason has its sentence also as a clause that goes on after the conclusion: "it touches the wall".
 
 node_dict(Node, Dict) :-
-    node_dict(Node, root, Dict).
+    Node = node(_, Goal, _, _, _),
+    subject(Goal, Subject),
+    node_dict(root, Node, Dict, Subject, _).
 
-node_dict(Node, Place, Dict) :-
+%   node_dict(+Place, +Node, -Dict, +Subject, -Next): Subject and Next are those of going_on/4 while Node and
+%   what is below it may be first reasons, and else `none`.
+
+node_dict(Place, Node, Dict, Subject, Next) :-
     Node = node(Kind, Goal, Margin, Clause, Children),
     (   shown(Node, Place) -> Shown = true ; Shown = false ),
     node_text(Node, Text),
+    (   Place == inner, Shown == true, Subject \== none
+    ->  going_on(Goal, node_text(Node, Said), Subject, Next),
+        ( Said == Text -> SaidOn = null ; SaidOn = Said ),
+        Below = none
+    ;   SaidOn = null,
+        Next = After,
+        ( Kind == negation -> Below = none ; Below = Subject )
+    ),
     goal_parts(Goal, Functor, Args),
     atom_string(Functor, Name),
     (   number(Margin) -> Metres = Margin ; Metres = null ),
     goal_axiom(Goal, Axiom),
     clause_source(Clause, Rule),
-    findall(Reason, ( member(Child, Children), node_dict(Child, inner, Reason) ), Reasons),
-    Dict = _{ kind: Kind, predicate: Name, args: Args, text: Text, margin: Metres,
+    foldl(node_dict(inner), Children, Reasons, Below, After),
+    Dict = _{ kind: Kind, predicate: Name, args: Args, text: Text, clause: SaidOn, margin: Metres,
               axiom: Axiom, rule: Rule, shown: Shown, children: Reasons }.
 
 goal_parts(\+ Goal, Name, Args) :- !, goal_parts(Goal, Name, Args).

@@ -1,8 +1,10 @@
 :- module(verbalise,
           [ node_text/2,                % +Node, -Text
             hindrance/2,                % +Goal, -Text
-            obstacles/2,                % +Node, -Texts
+            obstacles/3,                % +Node, +Subject, -Texts
             denied_text/2,              % +Goal, -Text
+            subject/2,                  % +Goal, -Subject
+            going_on/4,                 % +Goal, :Making, +Subject, -Next
             plain/2                     % +Marked, -Goal
           ]).
 :- use_module(library(lists), [member/2, nth1/3]).
@@ -13,6 +15,8 @@
 :- use_module(amounts).
 :- use_module(naming).
 :- use_module(words).
+
+:- meta_predicate going_on(+, 0, +, -).
 
 /** <module> Proofs in words
 
@@ -174,6 +178,7 @@ called(Name, Text) :- saying(name, [Name], Text).
 %   the(+Thing, +Said, -Text): Said is the view that the sentence speaks of, or `unsaid`.
 
 the(X, _, Text) :- var(X), !, saying(something, [], Text).
+the(X, _, Text) :- spoken_of(X), saying(it, [], Text), !.
 the(X, unsaid, Text) :- !, thing_name(X, Text).
 the(X, Said, Text) :- thing_name(X, Said, Text).
 
@@ -324,12 +329,19 @@ hindrance_text(What, Text) :-
     Words:hindered(What, Template),
     template_text(Template, yes, Text).
 
-%!  obstacles(+Node, -Texts:list) is det.
+%!  obstacles(+Node, +Subject, -Texts:list) is det.
 %
-%   Texts say what keeps the derivation Node from holding: each of its parts that fails.
+%   Texts say what keeps the derivation Node from holding: each of its parts that fails. Subject is what they go
+%   on about, or `none`.
 
-obstacles(node(_, _, _, _, Children), Texts) :-
-    findall(Text, ( member(Child, Children), fails(Child), obstacle(Child, Text) ), Texts).
+obstacles(node(_, _, _, _, Children), Subject, Texts) :-
+    include(fails, Children, Failing),
+    foldl(obstacle_clause, Failing, Texts, Subject, _).
+
+obstacle_clause(Child, Text, Subject, Next) :-
+    ( witnessed(Child, Told) -> true ; Told = Child ),
+    Told = node(_, Goal, _, _, _),
+    going_on(Goal, obstacle(Child, Text), Subject, Next).
 
 %   fails(+Node): by the sign of its margin; at a bound, where that is zero, by what it consists of.
 
@@ -355,9 +367,9 @@ fails(node(_, _, Margin, _, Children)) :-
 
 %   Of a denial what refutes it is named; of a rule or fact, that it does not hold.
 
-obstacle(node(negation, _, _, _, [Miss]), Text) :-
+obstacle(Node, Text) :-
+    witnessed(Node, Witness),
     !,
-    witness(Miss, Witness),
     node_text(Witness, Text).
 obstacle(node(comparison, Goal, Margin, _, _), Text) :-
     !,
@@ -371,8 +383,11 @@ obstacle(node(_, Goal, Margin, _, _), Text) :-
     ;   Text = Core
     ).
 
-witness(node(conjunction, _, _, _, [First|_]), First) :- !.
-witness(Miss, Miss).
+witnessed(node(negation, _, _, _, [Miss]), Witness) :-
+    (   Miss = node(conjunction, _, _, _, [Witness|_])
+    ->  true
+    ;   Witness = Miss
+    ).
 
 %!  denied_text(+Goal, -Text) is det.
 %
@@ -380,6 +395,51 @@ witness(Miss, Miss).
 
 denied_text(Goal, Text) :-
     goal_text(Goal, no, Text).
+
+%!  subject(+Goal, -Subject) is det.
+%
+%   Subject is it(Thing) for the thing that a sentence about Goal is about, its first; `none` where there is
+%   none.
+
+subject(Goal, Subject) :-
+    (   about(Goal, Thing)
+    ->  Subject = it(Thing)
+    ;   Subject = none
+    ).
+
+about(Goal, _) :- \+ compound(Goal), !, fail.
+about(\+ Goal, Thing) :- !, about(Goal, Thing).
+about((Goal, _), Thing) :- !, about(Goal, Thing).
+about(Goal, Thing) :-
+    arg(_, Goal, Thing),
+    atom(Thing),
+    spatial_obj(Thing),
+    !.
+
+%!  going_on(+Goal, :Making, +Subject, -Next) is semidet.
+%
+%   Making, once, makes a text about Goal for a sentence that has said what its Subject is. While that is
+%   it(Thing), a pronoun stands for it, in a language that has one. After a clause about another thing it is
+%   named(Thing): "it" would be taken for that one, so Thing is named again. Next is for the clause that follows.
+
+going_on(Goal, Making, Subject, Next) :-
+    (   Subject = it(Thing)
+    ->  setup_call_cleanup(asserta(spoken_of(Thing), Said), once(Making), erase(Said))
+    ;   once(Making)
+    ),
+    (   Subject == none
+    ->  Next = none
+    ;   arg(1, Subject, Thing),
+        subject(Goal, Other),
+        (   Other == none
+        ->  Next = Subject
+        ;   Other == it(Thing)
+        ->  Next = Other
+        ;   Next = named(Thing)
+        )
+    ).
+
+:- thread_local spoken_of/1.
 
 %!  plain(+Marked, -Goal) is det.
 %

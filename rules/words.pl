@@ -34,6 +34,9 @@ language(Language) :-
 %
 %   Text is what the language says by Name, filled in with Args.
 
+%
+%   Fails where the language has no words for it.
+
 saying(Name, Args, Text) :-
     language(Words),
     Words:said(Name, Format),

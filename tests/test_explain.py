@@ -270,7 +270,7 @@ def test_what_is_out_of_reach_has_no_nearest(kb: KnowledgeBase) -> None:
     assert (bool(answer), answer.nearest) == (False, None)
     assert answer.text == (
         "the fire extinguisher sign is not near the electric heater; "
-        "the fire extinguisher sign and the electric heater are beyond the reach of any relation"
+        "it and the electric heater are beyond the reach of any relation"
     )
 
 

@@ -66,7 +66,7 @@ def test_a_wrong_import_breaks_the_contracts(
 
 
 def test_the_guide_draws_the_layers(root: Path) -> None:
-    """A fenced block of architecture.md has a line for each layer: names, then perhaps two spaces and words."""
+    """A fenced block of architecture.md has a line for each layer: names, then perhaps words."""
     blocks = (root / "kb" / "guide" / "architecture.md").read_text(encoding="utf-8").split("```")[1::2]
     drawings = [
         [[name.strip() for name in line.split("  ")[0].split("|")] for line in block.splitlines()[1:] if line]

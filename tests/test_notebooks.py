@@ -45,7 +45,7 @@ PROMISED = {
     ],
     "03_why": [
         "The fire extinguisher on the floor leans on the wall, because",
-        "but the fire extinguisher on the floor is not affixed on the wall, because the floor touches",
+        "but it is not affixed on the wall, because the floor touches it.",
         "sweater: 2.0 cm, and it holds: False",
         "uncertain on_top_of(sweater, heater), 2.0 cm to spare",
         "sure      left_of(extinguisher2, radiator), 8.4 cm to spare",

@@ -19,8 +19,8 @@ from scenes import box, floor, scene
 LEANS, AFFIXED = "leans_on(extinguisher2, wall)", "affixed_on(extinguisher2, wall)"
 
 FIGURE_3 = (
-    "The fire extinguisher on the floor leans on the wall, but the fire extinguisher on the floor is not "
-    "affixed on the wall, because the floor touches the fire extinguisher on the floor."
+    "The fire extinguisher on the floor leans on the wall, but it is not affixed on the wall, "
+    "because the floor touches it."
 )
 
 HAZARD = "violation(fire_hazard, sweater, heater)"
@@ -70,8 +70,10 @@ def test_the_fire_hazard_in_python(kb: KnowledgeBase) -> None:
     proof = kb.why(HAZARD).proof
     assert proof is not None
     assert {MATERIAL, CONTACT} <= texts(proof)
-    assert MATERIAL in proof.sentence()
-    assert CONTACT in proof.sentence()
+    assert proof.sentence() == (
+        "The sweater is a fire hazard on or against the electric heater, because the electric heater gives "
+        "off heat, the sweater touches the electric heater and it is made of cloth which burns."
+    )
 
 
 def test_the_fire_hazard_at_the_command_line() -> None:
@@ -96,8 +98,8 @@ def test_the_fire_hazard_over_http(server: Server) -> None:
 def test_why_something_is_no_hazard(kb: KnowledgeBase) -> None:
     """What is no length keeps a rule from holding too: the sign does not burn, the radiator is apart."""
     told = kb.why_not("violation(fire_hazard, sign, heater)").sentence()
-    assert "the fire extinguisher sign is not in contact with the electric heater" in told
-    assert "the fire extinguisher sign is made of something which burns" in told
+    assert "because it is not in contact with the electric heater" in told
+    assert "it is made of something which burns" in told
     assert kb.why_not("violation(fire_hazard, sweater, radiator)").misses
 
 

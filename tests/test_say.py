@@ -79,8 +79,8 @@ def room() -> Iterator[KnowledgeBase]:
         (
             "why is the sweater on the heater?",
             (
-                "The sweater is on top of the electric heater, because the sweater is above the electric "
-                "heater and the sweater touches the electric heater."
+                "The sweater is on top of the electric heater, because it is above the electric heater "
+                "and it touches the electric heater."
             ),
         ),
         ("why is the sweater in the heater?", "But the sweater is not in the electric heater."),

@@ -232,9 +232,11 @@ place(near, ' near ').
 
 %!  said(?Name, ?Format) is nondet.
 %
-%   Formats of format/2 for what is said in and around sentences; each ~w is filled in.
+%   Formats of format/2 for what is said in and around sentences; each ~w is filled in. A language in which no
+%   one pronoun stands for each thing in each place has none: its sentences name the thing again.
 
 said(something, 'something').
+said(it, 'it').
 said(some_distance, 'some distance').
 said(some_room, 'some room').
 said(name, '~w').

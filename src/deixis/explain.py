@@ -110,12 +110,16 @@ class Refusal(Shown):
         One for each rule whose facts are there, nearest first.
     hindrance : str or None
         What keeps it from being stated whatever was measured: the order of the two, or a view.
+    because : tuple of str
+        What keeps it from holding, as clauses that go on after ``text``: the hindrance, or what fails by the
+        rule that comes closest.
     """
 
     holds: bool
     text: str
     misses: tuple[Miss, ...]
     hindrance: str | None
+    because: tuple[str, ...] = ()
     words: Words = field(default=ENGLISH, repr=False, compare=False)
 
     @classmethod
@@ -125,7 +129,7 @@ class Refusal(Shown):
             Miss(Proof.from_dict(one["derivation"], words), tuple(one["obstacles"]))
             for one in reply["misses"]
         )
-        return cls(reply["holds"], reply["text"], misses, reply["hindrance"], words)
+        return cls(reply["holds"], reply["text"], misses, reply["hindrance"], tuple(reply["because"]), words)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the refusal as nested dicts, ready for JSON."""
@@ -133,6 +137,7 @@ class Refusal(Shown):
             "holds": self.holds,
             "text": self.text,
             "hindrance": self.hindrance,
+            "because": list(self.because),
             "misses": [
                 {"derivation": one.derivation.to_dict(), "obstacles": list(one.obstacles)}
                 for one in self.misses
@@ -148,19 +153,17 @@ class Refusal(Shown):
         return [(self.sentence(), []), *misses]
 
     def reason(self) -> str:
-        """Return what keeps it from holding, for the rule that comes closest; empty where that is not known.
+        """Return what keeps it from holding, after its text; empty where that is not known."""
+        return self.words.listed(list(self.because))
+
+    def sentence(self) -> str:
+        """Return that it does not hold, and why, in one sentence.
 
         Examples
         --------
-        >>> Refusal(False, "the cup is not on top of the table", (), "they are apart").sentence()
-        'The cup is not on top of the table, because they are apart.'
+        >>> Refusal(False, "the cup is not on the table", (), None, ("it is apart from it",)).sentence()
+        'The cup is not on the table, because it is apart from it.'
         """
-        if self.hindrance is not None:
-            return self.hindrance
-        return self.words.listed(list(self.misses[0].obstacles)) if self.misses else ""
-
-    def sentence(self) -> str:
-        """Return that it does not hold, and why, in one sentence."""
         reason = self.reason()
         told = f"{self.text}, {self.words.because} {reason}" if reason and not self.holds else self.text
         return as_sentence(told)

@@ -62,6 +62,9 @@ class Proof(Shown):
         What a leaf rests on, once :meth:`deixis.knowledge.KnowledgeBase.evidence` has gathered it.
     words : Words
         What joins its sentences, in their language.
+    clause : str or None
+        Of a first reason what it says after the conclusion, in one sentence with it: a pronoun stands for
+        what both are about. None where that is the text.
     """
 
     kind: Kind
@@ -75,6 +78,7 @@ class Proof(Shown):
     children: tuple[Proof, ...]
     evidence: Evidence | None = None
     words: Words = field(default=ENGLISH, repr=False, compare=False)
+    clause: str | None = field(default=None, compare=False)
 
     @classmethod
     def from_dict(cls, node: Mapping[str, Any], words: Words = ENGLISH) -> Proof:
@@ -92,6 +96,7 @@ class Proof(Shown):
             children=tuple(cls.from_dict(child, words) for child in node["children"]),
             evidence=None if evidence is None else Evidence.from_dict(evidence),
             words=words,
+            clause=node.get("clause"),
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -101,6 +106,7 @@ class Proof(Shown):
             "predicate": self.predicate,
             "args": list(self.args),
             "text": self.text,
+            "clause": self.clause,
             "margin": self.margin,
             "axiom": self.axiom,
             "rule": None if self.rule is None else {"file": self.rule.file, "line": self.rule.line},
@@ -172,7 +178,9 @@ class Proof(Shown):
     def _because(self, reasons: list[Proof]) -> str:
         if not reasons:
             return as_sentence(self.text)
-        listed = self.words.listed([child.text for child in reasons])
+        # A step that is not shown is no conclusion: the clauses below it go on after one further up.
+        texts = [child.clause if self.shown and child.clause else child.text for child in reasons]
+        listed = self.words.listed(texts)
         return as_sentence(f"{self.text}, {self.words.because} {listed}")
 
     def things(self) -> Iterator[str]:

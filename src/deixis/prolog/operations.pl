@@ -27,7 +27,7 @@ reason(Goal, Reply) :-
     ;   explain:refusal(question:Goal, Node),
         Node = node(_, _, _, _, Near),
         verbalise:node_text(Node, Sentence0),
-        (   verbalise:hindrance(Goal, Hindrance)
+        (   hindered(Goal, Hindrance)
         ->  words:saying(hindered, [Sentence0, Hindrance], Sentence)
         ;   Sentence = Sentence0
         ),
@@ -61,17 +61,33 @@ bridge:operation(why_not, [Text], Reply) :-
 no_reason(Goal, Reply) :-
     (   explain:best_proof(question:Goal, Node)
     ->  verbalise:node_text(Node, Sentence),
-        Reply = _{ holds: true, text: Sentence, misses: [], hindrance: null }
+        Reply = _{ holds: true, text: Sentence, misses: [], hindrance: null, because: [] }
     ;   verbalise:denied_text(Goal, Sentence),
         (   verbalise:hindrance(Goal, Hindrance) -> true ; Hindrance = null ),
         explain:misses(question:Goal, Nodes),
         maplist(miss, Nodes, Misses),
-        Reply = _{ holds: false, text: Sentence, misses: Misses, hindrance: Hindrance }
+        clauses(Goal, Nodes, Clauses),
+        Reply = _{ holds: false, text: Sentence, misses: Misses, hindrance: Hindrance, because: Clauses }
     ).
+
+%   clauses(+Goal, +Misses, -Texts): what keeps Goal from holding, said after the sentence that it does not.
+
+clauses(Goal, _, [Text]) :-
+    hindered(Goal, Text),
+    !.
+clauses(Goal, [Nearest|_], Texts) :-
+    !,
+    verbalise:subject(Goal, Subject),
+    verbalise:obstacles(Nearest, Subject, Texts).
+clauses(_, [], []).
+
+hindered(Goal, Text) :-
+    verbalise:subject(Goal, Subject),
+    verbalise:going_on(Goal, verbalise:hindrance(Goal, Text), Subject, _).
 
 miss(Node, _{ derivation: Dict, obstacles: Texts }) :-
     outline:node_dict(Node, Dict),
-    verbalise:obstacles(Node, Texts).
+    verbalise:obstacles(Node, none, Texts).
 
 %   contrast(Text, Other): why the one holds, why the other does not, and both in a sentence.
 

@@ -110,6 +110,11 @@ def _refusal() -> Schema:
                 "type": ["string", "null"],
                 "description": "What keeps it from being stated whatever was measured.",
             },
+            "because": {
+                "type": "array",
+                "items": {"type": "string"},
+                "description": "What keeps it from holding, each as a clause after the text.",
+            },
             "misses": _list("miss", "One for each rule whose facts are there, nearest first."),
         },
         optional=("goal",),
@@ -186,6 +191,11 @@ def _step() -> Schema:
                 "description": "Ids and numbers; null where anything may stand.",
             },
             "text": _text("The step in a sentence."),
+            "clause": {
+                "type": ["string", "null"],
+                "description": "Of a first reason its text after the conclusion, with a pronoun for what "
+                "both are about; null where that is its text.",
+            },
             "margin": _margin("Metres until the step changes its answer; negative where it fails."),
             "axiom": {"type": ["integer", "null"], "description": "Number in the paper."},
             "rule": _maybe("rule", "Of a conclusion its rule."),

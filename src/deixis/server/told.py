@@ -127,6 +127,9 @@ class StepTold(BaseModel):
     predicate: str
     args: list[str | float | None]
     text: str = Field(description="The step in one sentence.")
+    clause: str | None = Field(
+        description="Of a first reason its text after the conclusion, with a pronoun for what both are about."
+    )
     margin: float | None = Field(description="Metres to spare; negative where the step fails.")
     axiom: int | None
     rule: dict[str, str | int] | None = Field(description="Its file and line.")
@@ -170,6 +173,7 @@ class RefusalTold(BaseModel):
     holds: bool
     text: str
     hindrance: str | None
+    because: list[str] = Field(description="What keeps it from holding, as clauses after the text.")
     misses: list[MissTold]
 
 
