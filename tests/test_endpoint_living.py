@@ -513,6 +513,20 @@ def test_acknowledged_updates_outlive_kill_9_many_times(tmp_path: Path) -> None:
             done.result()
 
 
+def test_an_event_that_is_not_kept_any_more_is_not_taken_for_another() -> None:
+    events = Events(300)
+    for n in range(20):
+        events.add("changes", f'{{"n": {n}}}')
+    # Events are counted from 1: the one after number n says n.
+    oldest = 20 - len(events._kept)
+    assert 0 < oldest < 20
+    number, text = events.after(oldest) or (0, b"")
+    assert (number, f'data: {{"n": {oldest}}}' in text.decode()) == (oldest + 1, True)
+    for gone in (oldest - 1, 0, -1):
+        with pytest.raises(LookupError):
+            events.after(gone)
+
+
 def test_who_reads_too_slowly_is_told_to_load_anew() -> None:
     async def follow() -> list[bytes]:
         events = Events(300)

@@ -20,9 +20,14 @@ from pathlib import Path
 from urllib.parse import quote
 
 import pytest
+from starlette.requests import Request
+from starlette.types import Message
 
 from deixis.errors import QueryError
+from deixis.server import Settings
 from deixis.server.children import Child
+from deixis.server.incoming import body_of
+from deixis.server.problems import Problem
 from deixis.server.screening import Forbidden, screen
 from endpoint import HANS, TOKEN, Reply, Server, serving
 from w3c_protocol import graph_path
@@ -407,6 +412,20 @@ def test_77_large_bodies_are_refused(server: Server) -> None:
         connection.putheader("Content-Length", str(128 << 20))
         connection.endheaders()
         assert connection.getresponse().status == 413
+
+
+@pytest.mark.parametrize(("size", "left"), [(30, 0), (5 << 20, 3)])
+def test_77_who_sends_little_too_much_is_let_finish(size: int, left: int) -> None:
+    """A client that is cut off while it sends does not read the answer; who sends too much is cut off."""
+    parts = [b" " * (size // 3)] * 3
+
+    async def receive() -> Message:
+        return {"type": "http.request", "body": parts.pop(), "more_body": bool(parts)}
+
+    request = Request({"type": "http", "headers": [(b"content-length", b"%d" % size)]}, receive)
+    with pytest.raises(Problem, match="larger than 10 bytes"):
+        asyncio.run(body_of(request, Settings(), 10))
+    assert len(parts) == left
 
 
 def test_77_endless_bodies_are_refused(server: Server) -> None:

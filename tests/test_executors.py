@@ -466,6 +466,38 @@ def test_without_a_triple_store_the_remedy_is_named() -> None:
     assert told.stderr == "deixis: RDF needs pyoxigraph: pip install 'deixis[rdf]'\n"
 
 
+CONNECTIONS = """
+import sys
+from pathlib import Path
+import duckdb
+from deixis._files import datalog_files
+from deixis.ruleset import load
+from deixis.scene import Scene
+from deixis.semantic_map import create_map
+from deixis.sql import SqlExecutor
+from deixis.tiles.database import database
+
+folder = Path(sys.argv[1])
+asked = "SELECT current_setting('enable_progress_bar')"
+with (
+    duckdb.connect() as plain,
+    SqlExecutor(load(datalog_files())) as sql,
+    create_map(folder / "map.duckdb", Scene("map")) as kept,
+    database(folder, 1 << 28, "") as small,
+    database(folder, 1 << 28, "", folder / "after.duckdb") as large,
+):
+    for one in (plain, sql._connection, kept._connection, small, large):
+        print(*one.execute(asked).fetchone())
+"""
+
+
+def test_no_database_draws_a_progress_bar(tmp_path: Path) -> None:
+    # DuckDB draws one where Python runs no file, as in a shell: here too.
+    command = [sys.executable, "-c", CONNECTIONS, tmp_path]
+    told = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert told.stdout.split() == ["True"] + ["False"] * 4
+
+
 def test_the_database_is_closed_to_the_world(sql: SqlExecutor, tmp_path: Path) -> None:
     (tmp_path / "x.csv").write_text("a\n1\n", encoding="utf-8")
     for statement in (

@@ -232,6 +232,23 @@ def kitchen(place: str | Path) -> SemanticMap:
     return kept
 
 
+@pytest.mark.parametrize("again", [False, True])
+def test_a_frame_of_the_stamp_that_was_derived_last(again: bool, tmp_path: Path) -> None:
+    """Two of one stamp are one change: what only the first made hold held at no time."""
+    place = tmp_path / "map.duckdb"
+    kept = create_map(place, scene())
+    kept.add(scene(floor(), TABLE), stamp=1.0)
+    kept.add(scene(CUP, views=[]), stamp=2.0)
+    assert kept.since("on_top_of", "cup", "table") is not None
+    if again:
+        kept.close()
+        kept = open_map(place)
+    with kept:
+        kept.add(scene(FALLEN, views=[]), stamp=2.0)
+        assert set(kept.intervals()) == brute(kept)
+        assert [one.reference for one in kept.intervals(["on_top_of"], figure="cup")] == ["floor"]
+
+
 def test_since_when(address: Address) -> None:  # noqa: F811 - a fixture
     with kitchen(address()) as kept:
         on = ("on_top_of", "cup", "table")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from deixis.cli.commands import Region, RegionOption, RuleFiles, app
+from deixis.cli.commands import Region, RegionOption, RelationOption, RuleFiles, app
 from deixis.cli.output import warn, write_csv, write_table
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def bag(
         LogFormat | None,
         typer.Option("--format", help="How to print them; by default changes, or with -o nothing."),
     ] = None,
-    relation: Annotated[list[str] | None, typer.Option(help="Only this relation; may be repeated.")] = None,
+    relation: RelationOption = None,
     scene: Annotated[
         Path | None, typer.Option("--scene", help="A scene of what is always there: walls, furniture.")
     ] = None,

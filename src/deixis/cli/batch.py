@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from deixis.cli.commands import Region, RegionOption, RuleFiles, app
-from deixis.cli.output import warn
+from deixis.cli.commands import Region, RegionOption, RelationOption, RuleFiles, ViewOption, app
+from deixis.cli.output import progress_bar, warn
 
 
 class BatchEngine(StrEnum):
@@ -29,8 +28,8 @@ def batch(
     target: Annotated[
         Path, typer.Option("-o", "--output", metavar="FOLDER", help="Where the Parquet files are written.")
     ],
-    view: Annotated[str | None, typer.Option(help="Only this view's horizontal relations.")] = None,
-    relation: Annotated[list[str] | None, typer.Option(help="Only this relation; may be repeated.")] = None,
+    view: ViewOption = None,
+    relation: RelationOption = None,
     region: RegionOption = Region.BOX,
     rules: RuleFiles = None,
     limit: Annotated[float, typer.Option(min=0.001, help="Seconds that a scene may take.")] = 60.0,
@@ -47,18 +46,14 @@ def batch(
     A run that was stopped goes on where it was. Exit codes: 0 done, 1 done, and some scenes were refused,
     2 nothing can be done.
     """
-    from rich.console import Console
-    from rich.progress import MofNCompleteColumn, Progress
+    from rich.progress import MofNCompleteColumn
 
     from deixis.batch.relate import Relate
     from deixis.batch.run import run
     from deixis.parallel import WORKERS
 
     relate = Relate(tuple(relation or ()), tuple(map(str, rules or ())), region.value, view)
-    columns = (*Progress.get_default_columns(), MofNCompleteColumn())
-    # Nothing but a terminal gets a bar, and it is gone when the work is done.
-    bar = Progress(*columns, console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())
-    with bar:
+    with progress_bar(MofNCompleteColumn()) as bar:
         task = bar.add_task("scenes", total=None)
         done = run(
             scenes, target, relate, limit=limit, shard=shard, workers=workers or WORKERS, engine=engine.value,

@@ -62,6 +62,10 @@ RegionOption = Annotated[
         help="What things are measured as: their boxes, convex hulls, or meshes where they have any.",
     ),
 ]
+ViewOption = Annotated[str | None, typer.Option("--view", help="Only this view's horizontal relations.")]
+RelationOption = Annotated[
+    list[str] | None, typer.Option("--relation", help="Only this relation; may be repeated.")
+]
 Seconds = Annotated[float, typer.Option("--timeout", min=0.001, help="Seconds before giving up.")]
 
 RuleFiles = Annotated[
@@ -154,8 +158,8 @@ def open_scene(
 @app.command()
 def relations(
     scene: ScenePath,
-    view: Annotated[str | None, typer.Option(help="Only this view's horizontal relations.")] = None,
-    relation: Annotated[list[str] | None, typer.Option(help="Only this relation; may be repeated.")] = None,
+    view: ViewOption = None,
+    relation: RelationOption = None,
     region: RegionOption = Region.BOX,
     output: Annotated[
         RelationFormat, typer.Option("--format", help="How to print them.")
@@ -287,7 +291,7 @@ def export(
         ),
     ],
     region: RegionOption = Region.BOX,
-    view: Annotated[str | None, typer.Option(help="Only this view's horizontal relations.")] = None,
+    view: ViewOption = None,
     proofs: Annotated[bool, typer.Option(help="By which steps each relation was derived.")] = True,
     rules: RuleFiles = None,
 ) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from deixis.cli.commands import Region, RegionOption, RuleFiles, Seconds, TextOrJson
+from deixis.cli.commands import Region, RegionOption, RelationOption, RuleFiles, Seconds, TextOrJson
 from deixis.cli.maps import At, Database, app, at_of, time_of
 from deixis.cli.output import printable, records, warn, write_csv, write_json, write_table
 from deixis.moments import moment
@@ -35,11 +35,8 @@ _COLUMNS: Final = ("relation", "figure", "reference", "view", "since", "until")
 _REASON: Final = 10.0
 """Seconds for each reason."""
 
-ViewOption = Annotated[
+ViewToo = Annotated[
     str | None, typer.Option("--view", help="Only this view's horizontal relations, beside the others.")
-]
-RelationOption = Annotated[
-    list[str] | None, typer.Option("--relation", help="Only this relation; may be repeated.")
 ]
 Why = Annotated[bool, typer.Option("--why", help="Also say why, with the numbers measured at that time.")]
 
@@ -101,7 +98,7 @@ def history(
     relation: RelationOption = None,
     figure: Annotated[str | None, typer.Option(metavar="ID", help="Only of this figure.")] = None,
     reference: Annotated[str | None, typer.Option(metavar="ID", help="Only by this reference.")] = None,
-    view: ViewOption = None,
+    view: ViewToo = None,
     at: At = None,
     start: Annotated[
         str | None, typer.Option("--from", metavar="TIME", help="Only what held then or later.")

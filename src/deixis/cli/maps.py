@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from deixis.cli.commands import Region, RegionOption, RuleFiles, Seconds
+from deixis.cli.commands import Region, RegionOption, RelationOption, RuleFiles, Seconds, ViewOption
 from deixis.cli.commands import app as whole_app
 from deixis.cli.measuring import Grounding, GroundingOption, measured
 from deixis.cli.output import RelationFormat, records, warn, write_csv, write_json, write_table
@@ -139,8 +139,8 @@ def list_(
 def relations(
     database: Database,
     at: At = None,
-    view: Annotated[str | None, typer.Option(help="Only this view's horizontal relations.")] = None,
-    relation: Annotated[list[str] | None, typer.Option(help="Only this relation; may be repeated.")] = None,
+    view: ViewOption = None,
+    relation: RelationOption = None,
     region: RegionOption = Region.BOX,
     output: Annotated[
         RelationFormat, typer.Option("--format", help="How to print them.")

@@ -7,7 +7,10 @@ import json
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, ProgressColumn
 
 
 class Format(StrEnum):
@@ -87,3 +90,15 @@ def warn(messages: Iterable[object]) -> None:
     """Say on stderr what should be known beside the answer."""
     for message in messages:
         print(f"deixis: {printable(message)}", file=sys.stderr)
+
+
+def progress_bar(*more: ProgressColumn) -> Progress:
+    """Return a bar that shows on stderr how far the work is, with more columns than the usual ones.
+
+    Nothing but a terminal gets it, and it is gone when the work is done.
+    """
+    from rich.console import Console
+    from rich.progress import Progress
+
+    columns = (*Progress.get_default_columns(), *more)
+    return Progress(*columns, console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty())

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from deixis.cli.output import printable
+from deixis.cli.output import printable, progress_bar
 
 
 def perceive(
@@ -32,14 +32,10 @@ def perceive(
     Exit codes: 0 done, 1 nothing was found (or, with --strict, something was left out), 2 a file is not as it
     should be: nothing is written then.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     from deixis.perception import CloudFrame, Map, load_frame
 
     growing = Map(name or target.stem)
-    # Nothing but a terminal gets a bar, and it is gone when the work is done.
-    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as progress:
+    with progress_bar() as progress:
         # Looked at first, so that a mistake in the last is not found after the work of the others.
         loaded = sorted((load_frame(path).stamp, path) for path in frames)
         whole = progress.add_task("frames", total=len(loaded))

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from deixis.cli.commands import RuleFiles, app
+from deixis.cli.commands import RelationOption, RuleFiles, app
+from deixis.cli.output import progress_bar
 
 if TYPE_CHECKING:
     from deixis.tiles import Summary
@@ -39,7 +40,7 @@ def tiles(
         float | None,
         typer.Option(metavar="METRES", help="Side of a tile; by default for some 20,000 things at most."),
     ] = None,
-    relation: Annotated[list[str] | None, typer.Option(help="Only this relation; may be repeated.")] = None,
+    relation: RelationOption = None,
     rules: RuleFiles = None,
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes; by default as many as there are processors.")
@@ -54,9 +55,6 @@ def tiles(
     What is found is what `deixis relations` finds, to the last bit of every margin. Each process takes memory
     for one tile at a time, some hundred MiB.
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     from deixis.errors import MissingDependency
 
     try:
@@ -66,8 +64,7 @@ def tiles(
         if missing != "pyarrow":
             raise
         raise MissingDependency("deixis tiles needs pyarrow: pip install 'deixis[batch]'") from None
-    # Nothing but a terminal gets a bar, and it is gone when the work is done.
-    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as progress:
+    with progress_bar() as progress:
         bar = progress.add_task("tiles", total=None)
 
         def shown(now: Summary) -> None:

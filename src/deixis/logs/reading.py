@@ -8,7 +8,6 @@ import os
 from collections.abc import Generator, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import count
-from types import TracebackType
 from typing import Any, Final, Self
 
 import numpy as np
@@ -123,9 +122,7 @@ class Log:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._bag.close()
 
     def __iter__(self) -> Iterator[tuple[int, Scene]]:

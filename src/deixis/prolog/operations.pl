@@ -13,11 +13,7 @@ Operations of the bridge, each one request and one JSON reply.
 %   nothing in the scene are reported instead.
 
 bridge:operation(why, [Text], Reply) :-
-    asked(Text, Goal),
-    (   stranger(Goal, Name)
-    ->  Reply = _{ unknown: Name }
-    ;   reason(Goal, Reply)
-    ).
+    answered(Text, reason, Reply).
 
 reason(Goal, Reply) :-
     (   explain:best_proof(question:Goal, Node)
@@ -41,22 +37,16 @@ reason(Goal, Reply) :-
 %   why_all(Text, Most): at most that many proofs, the best first, and whether there are more.
 
 bridge:operation(why_all, [Text, Most], Reply) :-
-    asked(Text, Goal),
-    (   stranger(Goal, Name)
-    ->  Reply = _{ unknown: Name }
-    ;   explain:all_proofs(question:Goal, Most, Nodes, More),
-        maplist(outline:node_dict, Nodes, Proofs),
-        Reply = _{ proofs: Proofs, truncated: More }
-    ).
+    answered(Text, reasons(Most), Reply).
+
+reasons(Most, Goal, _{ proofs: Proofs, truncated: More }) :-
+    explain:all_proofs(question:Goal, Most, Nodes, More),
+    maplist(outline:node_dict, Nodes, Proofs).
 
 %   why_not(Text): whether the goal holds and, if it does not, what keeps each rule from concluding it.
 
 bridge:operation(why_not, [Text], Reply) :-
-    asked(Text, Goal),
-    (   stranger(Goal, Name)
-    ->  Reply = _{ unknown: Name }
-    ;   no_reason(Goal, Reply)
-    ).
+    answered(Text, no_reason, Reply).
 
 no_reason(Goal, Reply) :-
     (   explain:best_proof(question:Goal, Node)
@@ -113,6 +103,15 @@ bridge:operation(words, [], Reply) :-
             ),
             Pairs),
     dict_pairs(Reply, _, Pairs).
+
+%   answered(+Text, :Answer, -Reply): what Answer replies of the goal that Text is, unless it names a stranger.
+
+answered(Text, Answer, Reply) :-
+    asked(Text, Goal),
+    (   stranger(Goal, Name)
+    ->  Reply = _{ unknown: Name }
+    ;   call(Answer, Goal, Reply)
+    ).
 
 asked(Text, Goal) :-
     questions:question(Text, Goal, _),

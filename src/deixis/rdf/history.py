@@ -14,9 +14,9 @@ An interval has its beginning and not its end.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Protocol
 
 from deixis.moments import exact
+from deixis.rdf.knowledge import Lasts
 from deixis.rdf.layout import TERM, term
 from deixis.rdf.names import SceneNames
 from deixis.rdf.namespaces import PROV, TIME, XSD
@@ -24,23 +24,6 @@ from deixis.rdf.oxigraph import ox
 from deixis.rdf.quads import GraphWriter
 from deixis.rdf.terms import IDENTIFIER, LABEL
 from deixis.scene import Scene
-
-
-class Lasts(Protocol):
-    """A relation while it held: see :class:`deixis.semantic_map.Interval`."""
-
-    @property
-    def relation(self) -> str: ...  # noqa: D102
-    @property
-    def figure(self) -> str: ...  # noqa: D102
-    @property
-    def reference(self) -> str: ...  # noqa: D102
-    @property
-    def view(self) -> str | None: ...  # noqa: D102
-    @property
-    def since(self) -> float: ...  # noqa: D102
-    @property
-    def until(self) -> float | None: ...  # noqa: D102
 
 
 def history_quads(

@@ -1,4 +1,4 @@
-"""What an export asks of a knowledge base, so that this layer need not know the one above it."""
+"""What an export asks of a knowledge base or of a map, so that this layer need not know those above it."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from deixis.scene import Scene
 from deixis.steps import Step
 
 
-class Holds(Protocol):
-    """A relation that holds: see :class:`deixis.knowledge.Relation`."""
+class Relates(Protocol):
+    """A relation of two things, in a view where that matters."""
 
     @property
     def relation(self) -> str: ...  # noqa: D102
@@ -23,8 +23,22 @@ class Holds(Protocol):
     def reference(self) -> str: ...  # noqa: D102
     @property
     def view(self) -> str | None: ...  # noqa: D102
+
+
+class Holds(Relates, Protocol):
+    """One that holds: see :class:`deixis.knowledge.Relation`."""
+
     @property
     def margin(self) -> float | None: ...  # noqa: D102
+
+
+class Lasts(Relates, Protocol):
+    """One while it held: see :class:`deixis.semantic_map.Interval`."""
+
+    @property
+    def since(self) -> float: ...  # noqa: D102
+    @property
+    def until(self) -> float | None: ...  # noqa: D102
 
 
 class Notice(Protocol):

@@ -7,7 +7,6 @@ have derived already and from what was measured, as far as those rules look at i
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
@@ -16,7 +15,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from deixis.errors import EngineError
 from deixis.facts import Facts
 from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.columns import Symbols, base_columns
@@ -24,8 +22,9 @@ from deixis.ruleset.extent import THINGS
 from deixis.ruleset.model import Constant
 from deixis.ruleset.plan import Node
 from deixis.ruleset.tables import listed
-from deixis.sql import SqlExecutor, silence
+from deixis.sql import SqlExecutor
 from deixis.sql.program import Program
+from deixis.tiles.database import database
 from deixis.tiles.measure import box_facts
 from deixis.tiles.store import FILES, Tile
 from deixis.tiles.work import Worker
@@ -57,7 +56,7 @@ def after(worker: Worker, folder: Path, between: Path, memory: int) -> Iterator[
     program = worker.cut.program
     if program is None:
         return
-    with _database(folder, memory) as base:
+    with database(folder, memory, "the tiles cannot be put together", folder / "after.duckdb") as base:
         numbers = _numbers(worker, program)
         _load(base, worker, program, between, numbers)
         limits = {name: value for name, value in worker.head.thresholds.items() if name in program.thresholds}
@@ -66,29 +65,6 @@ def after(worker: Worker, folder: Path, between: Path, memory: int) -> Iterator[
         rows = folder / "after.parquet"
         _sorted(base, worker, program).write_parquet(str(rows))
     yield from _tiles(rows, worker)
-
-
-@contextmanager
-def _database(folder: Path, memory: int) -> Iterator[Any]:
-    import duckdb
-
-    place = folder / "after.duckdb"
-    place.unlink(missing_ok=True)
-    settings: dict[str, Any] = {
-        "memory_limit": f"{memory // 2**20}MiB",
-        "temp_directory": str(folder / "spilled"),
-        "autoinstall_known_extensions": "false",
-        "autoload_known_extensions": "false",
-        "preserve_insertion_order": "false",
-    }
-    try:
-        with duckdb.connect(str(place), config=settings) as base:
-            silence(base)
-            yield base
-    except duckdb.Error as error:
-        raise EngineError(f"the tiles cannot be put together: {error}") from error
-    finally:
-        place.unlink(missing_ok=True)
 
 
 def _nothing(worker: Worker) -> Facts:

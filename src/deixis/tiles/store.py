@@ -14,11 +14,11 @@ import pyarrow.dataset as ds
 import pyarrow.parquet as pq
 
 from deixis.boxes import Boxes
-from deixis.errors import EngineError, GeometryError, ReaderError, SceneError
+from deixis.errors import GeometryError, ReaderError, SceneError
 from deixis.frames import Array, Mask
 from deixis.scene import Scene
-from deixis.sql import silence
 from deixis.strict_json import quoted
+from deixis.tiles.database import database
 from deixis.tiles.schema import BOXES
 from deixis.tiles.sources import batches
 
@@ -102,32 +102,19 @@ def cut(folder: Path, size: float | None, memory: int) -> tuple[float, list[Tile
     SceneError
         An id is given twice, or there are more surfaces than a map may have.
     """
-    import duckdb
-
-    settings: dict[str, Any] = {
-        "memory_limit": f"{memory // 2**20}MiB",
-        "temp_directory": str(folder / "spilled"),
-        "autoinstall_known_extensions": "false",
-        "autoload_known_extensions": "false",
-        "preserve_insertion_order": "false",
-    }
-    try:
-        with duckdb.connect(":memory:", config=settings) as base:
-            silence(base)
-            base.read_parquet(str(folder / "told.parquet")).create_view("told")
-            twice = base.execute(_TWICE).fetchall()
-            if twice:
-                raise SceneError(f"object {quoted(twice[0][0])} is given more than once: rename all but one")
-            _few_surfaces(base)
-            metres = _size(base) if size is None else size
-            places = [str(folder / f"{name}.parquet") for name in FILES]
-            for place, condition in zip(places, _CONDITIONS, strict=True):
-                sql = (_SORTED + condition + " ORDER BY ty, tx, id").replace("$size", f"{metres!r}::DOUBLE")
-                base.sql(sql).write_parquet(place, compression="zstd", row_group_size=_GROUP)
-            base.read_parquet(places).create_view("sorted")
-            found = base.execute("SELECT DISTINCT tx, ty FROM sorted ORDER BY ty, tx").fetchall()
-    except duckdb.Error as error:
-        raise EngineError(f"the map cannot be sorted into tiles: {error}") from error
+    with database(folder, memory, "the map cannot be sorted into tiles") as base:
+        base.read_parquet(str(folder / "told.parquet")).create_view("told")
+        twice = base.execute(_TWICE).fetchall()
+        if twice:
+            raise SceneError(f"object {quoted(twice[0][0])} is given more than once: rename all but one")
+        _few_surfaces(base)
+        metres = _size(base) if size is None else size
+        places = [str(folder / f"{name}.parquet") for name in FILES]
+        for place, condition in zip(places, _CONDITIONS, strict=True):
+            sql = (_SORTED + condition + " ORDER BY ty, tx, id").replace("$size", f"{metres!r}::DOUBLE")
+            base.sql(sql).write_parquet(place, compression="zstd", row_group_size=_GROUP)
+        base.read_parquet(places).create_view("sorted")
+        found = base.execute("SELECT DISTINCT tx, ty FROM sorted ORDER BY ty, tx").fetchall()
     # A map of nothing has a tile with nothing in it.
     return metres, [(int(tx), int(ty)) for tx, ty in found] or [(0, 0)]
 
