@@ -157,7 +157,7 @@ def _guarded(told: Callable[[], str]) -> Iterator[None]:
         raise
     except Exception as cause:
         told_by = cause.args[0] if len(cause.args) == 1 else cause
-        reason = " ".join(str(told_by).strip("(),'").split()) or type(cause).__name__
+        reason = " ".join(str(told_by).strip("(),.'").split()) or type(cause).__name__
         raise ReaderError(
             f"{told()}: {reason[:200]}: `ros2 bag reindex` or `mcap recover` may help"
         ) from cause
