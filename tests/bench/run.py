@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from bench import batch_bench, growth, rules_bench, server_bench, shapely_loop, tiles_bench
+from bench import batch_bench, growth, prolog_bench, rules_bench, server_bench, shapely_loop, tiles_bench
 from bench.job import Answers, room
 from deixis.grounding import ground
 from deixis.knowledge import KnowledgeBase
@@ -279,6 +279,7 @@ def sections() -> Iterator[tuple[str, Iterator[str]]]:
     yield "Growth", large()
     yield "Maps in tiles", tiled()
     yield "Rules", rules_bench.section()
+    yield "A million facts in SWI-Prolog", prolog_bench.section()
     yield "Data sets", batch_bench.section()
     if MESHES.exists():
         yield "Meshes", meshes()

@@ -42,6 +42,19 @@ def exec_shell(
     QueryError
         Several scenes cannot be told apart, see :func:`apart`.
     """
+    command = shell_command(rule_files, scenes, tabled)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os.execv(command[0], command)  # noqa: S606 - a fixed program
+
+
+def shell_command(
+    rule_files: Sequence[Path], scenes: Sequence[Grounded], tabled: Sequence[tuple[str, int]] = ()
+) -> list[str]:
+    """Write the facts to a private file, and return the command that reads and deletes it.
+
+    Parameters and errors are those of :func:`exec_shell`.
+    """
     swipl = find_prolog().executable
     if swipl is None:
         raise PrologNotFoundError(
@@ -53,14 +66,12 @@ def exec_shell(
         for number, (facts, views) in enumerate(several):
             # The thresholds are the same for all.
             file.writelines(f"{one}.\n" for one in facts_lists(facts, views, thresholds=number == 0))
-    sys.stdout.flush()
-    sys.stderr.flush()
     arguments = ["-q", "-f", "none", "-g", "shell:start", str(rules_dir() / "shell.pl")]
     told = [
         *(str(file.resolve()) for file in rule_files),
         *(f"table:{arity}:{predicate}" for predicate, arity in tabled),
     ]
-    os.execv(swipl, [str(swipl), *arguments, "--", name, *told])  # noqa: S606 - a fixed program
+    return [str(swipl), *arguments, "--", name, *told]
 
 
 def apart(scenes: Sequence[Grounded]) -> list[Grounded]:
