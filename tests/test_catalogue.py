@@ -31,6 +31,7 @@ from deixis.regions import BoxRegion, MeshRegion, PointRegion, Region, SurfaceRe
 from deixis.scene import Scene, SpatialObject, View
 from deixis.thresholds import SNAP, Thresholds
 from deixis.vocabulary import RELATIONS
+from memory import MOST
 from scenes import ROBOT, box, floor, scene, turned, wall
 
 Row = tuple[str, ...]
@@ -79,7 +80,7 @@ def same(one: Facts, other: Facts) -> bool:
 def within(megabytes: int, program: str) -> tuple[str, float]:
     """Run a program that may not take more memory; return its last line and the most megabytes it took."""
     limit = f"import resource\nresource.setrlimit(resource.RLIMIT_AS, ({megabytes << 20},) * 2)\n"
-    most = "\nprint(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)"
+    most = f"{MOST}\nprint(most() / (1 << 20))"
     done = subprocess.run(
         [sys.executable, "-c", limit + program + most], capture_output=True, text=True, check=False
     )
@@ -682,14 +683,10 @@ def test_case_33_a_hundred_thousand_things_in_one_place() -> None:
 
 
 CLOUD = """
-import resource
 import sys
 import numpy as np
 import deixis.pieces
 from deixis.scene import PointRegion, Scene, SpatialObject
-
-def most():
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 def seen(points):
     return Scene("s", (SpatialObject("room", (), "object", PointRegion(points)),))
@@ -718,7 +715,7 @@ print((most() - before) / points.nbytes, most() / points.nbytes)
 def grown(count: int, given: str, chunk: int = CHUNK) -> tuple[float, float]:
     """Return how far memory grew for a cloud's box, and the most there was, in sizes of the cloud."""
     done = subprocess.run(
-        [sys.executable, "-c", CLOUD, str(count), given, str(chunk)],
+        [sys.executable, "-c", MOST + CLOUD, str(count), given, str(chunk)],
         capture_output=True,
         text=True,
         check=False,

@@ -24,6 +24,7 @@ from deixis.knowledge import KnowledgeBase
 from deixis.living import kept, living
 from deixis.living.kept import Kept
 from deixis.updates import Changes, Update
+from memory import MOST
 from scenes import box, floor, scene
 
 HANS = Path(__file__).resolve().parent.parent / "kb" / "scenes" / "hans.json"
@@ -154,11 +155,9 @@ def test_a_line_without_end_is_refused_in_bounded_memory(tmp_path: Path) -> None
     """Three hundred megabytes, of which no more than the limit is in memory."""
     script = tmp_path / "measured.py"
     script.write_text(
-        "import pathlib, re, sys\nfrom deixis.cli import main\n"
+        f"{MOST}\nimport sys\nfrom deixis.cli import main\n"
         f"sys.argv = ['deixis', 'live', {str(HANS)!r}, '--brief']\ncode = main()\n"
-        # Of this process alone: what resource tells begins with its parent's.
-        "told = pathlib.Path('/proc/self/status').read_text()\n"
-        "print(int(re.search(r'VmHWM:\\s+(\\d+)', told)[1]) // 1024)\nsys.exit(code)\n",
+        "print(most() >> 20)\nsys.exit(code)\n",
         "utf-8",
     )
     with subprocess.Popen(
