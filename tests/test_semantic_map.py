@@ -203,6 +203,23 @@ def test_thresholds_are_those_of_the_map(address: Address) -> None:
             kept.add(scene(CUP, thresholds={"closeness": 0.8}))
 
 
+def test_what_a_map_could_not_read_again_does_not_get_into_it(address: Address) -> None:
+    """A scene without thresholds of its own is read with the map's, strays and all."""
+    piece = [[0.01 * x, 0.01 * y, 0.01 * z] for x in range(4) for y in range(4) for z in range(4)]
+    cloud = {"id": "cloud", "label": "cloud", "points": [*piece, [3.0, 3.0, 3.0]]}
+    like = Scene.from_dict({"deixis": 1, "id": "strict", "strays": "refuse"})
+    with create_map(address(), like) as kept:
+        with pytest.raises(SceneError, match="'cloud': its 65 points are in 2 pieces"):
+            kept.add(scene(cloud), stamp=1.0)
+        assert kept.frames() == ()
+        kept.add(scene({**cloud, "points": piece}), stamp=2.0)
+        assert [thing.id for thing in kept.scene().objects] == ["cloud"]
+    with create_map(address(), scene(thresholds={"piece_gap": 9.0})) as kept:
+        kept.add(scene(cloud), stamp=1.0)
+        (sighting,) = kept.sightings("cloud")
+        assert sighting.center == tuple(kept.scene().boxes.center[0].tolist())
+
+
 def test_a_place_without_a_map(tmp_path: Path) -> None:
     with pytest.raises(MapError, match="is no file"):
         open_map(tmp_path / "none.duckdb")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -123,6 +124,14 @@ def scene_of(told: Row, things: Iterable[Row], views: Iterable[Row]) -> Scene:
 def same_thresholds(told: Row, scene: Scene) -> bool:
     """Return whether a scene is read with a map's thresholds, or has none of its own to insist on."""
     return scene.thresholds == Thresholds() or map_row(scene)[1:] == told[1:]
+
+
+def read_as(told: Row, scene: Scene) -> Scene:
+    """Return a scene with the thresholds and the treatment of strays of the map that takes it in."""
+    limits = Thresholds.of(json.loads(told[1]))
+    if (scene.thresholds, scene.strays) == (limits, told[2]):
+        return scene
+    return replace(scene, thresholds=limits, strays=told[2])
 
 
 def _seen_from(values: dict[str, Any], known: Collection[str]) -> dict[str, Any]:

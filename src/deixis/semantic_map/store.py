@@ -18,6 +18,7 @@ from deixis.semantic_map.records import (
     COLUMNS,
     Row,
     map_row,
+    read_as,
     same_thresholds,
     scene_of,
     thing_rows,
@@ -148,6 +149,8 @@ class FrameStore(ABC):
             The stamp is not finite, the scene has other thresholds than the map, a thing is both shown and
             gone, something is said to be gone that the map was never told of, or the database cannot be
             written.
+        SceneError
+            With the map's thresholds and treatment of strays a thing is none.
         """
         if stamp is None:
             stamp = max((view.stamp for view in scene.views if view.stamp is not None), default=time.time())
@@ -156,13 +159,16 @@ class FrameStore(ABC):
             raise MapError(
                 f"the stamp of scene {quoted(scene.id)} is not finite: give seconds since the epoch"
             )
-        rows = {"thing": thing_rows(0, scene, gone), "viewpoint": view_rows(0, scene), **self._more(scene)}
         with self._transaction():
-            if not same_thresholds(self._map(), scene):
+            told = self._map()
+            if not same_thresholds(told, scene):
                 raise MapError(
                     f"scene {quoted(scene.id)} has other thresholds or another treatment of strays than the "
                     "map: leave them out of the scene, or make a map like it"
                 )
+            # What the map could not read again must not get into it: nothing is ever deleted.
+            read = read_as(told, scene)
+            rows = {"thing": thing_rows(0, read, gone), "viewpoint": view_rows(0, read), **self._more(read)}
             if gone:
                 self._check_told(gone)
             seq = int(self._rows("SELECT nextval('frame_seq')")[0][0])
