@@ -391,6 +391,27 @@ def test_since_on_the_command_line(on_map: Callable[..., Result]) -> None:
     assert found["why"]["holds"] is True
 
 
+def test_of_what_is_gone_the_reason_is_that_it_is(on_map: Callable[..., Result], tmp_path: Path) -> None:
+    with open_map(tmp_path / "map.duckdb") as kept:
+        kept.add(scene(views=[]), stamp=1795344180.0, gone=["cup"])
+    done = on_map("since", "on_top_of(cup, table)", "--why")
+    assert (done.code, done.err) == (1, "")
+    assert done.out.endswith("to 2026-11-22 10:42:00 UTC.\nNo: at that time there is no cup.\n")
+    done = on_map("since", "on_top_of(cup, table)", "--at", "10:43", "--why", "--format", "json")
+    assert json.loads(done.out)["why"]["text"] == "at that time there is no cup"
+
+
+def test_a_time_that_is_told_can_be_asked_for(on_map: Callable[..., Result], tmp_path: Path) -> None:
+    """Not cut short to one before it, nor rounded to another, in the calendar or beyond it."""
+    for stamp in (1795344180.0005, 1795344180001.0):
+        with open_map(tmp_path / "map.duckdb") as kept:
+            kept.add(scene(CUP, views=[]), stamp=stamp - 0.25, gone=["table"])
+            kept.add(scene(TABLE, views=[]), stamp=stamp)
+        (*_, found) = json.loads(on_map("history", "--figure", "cup", "--format", "json").out)
+        done = on_map("since", "near(cup, table)", "--at", found["since"], "--format", "json")
+        assert (done.code, json.loads(done.out)["interval"]["since"]) == (0, found["since"])
+
+
 @pytest.mark.parametrize(
     ("typed", "said"),
     [

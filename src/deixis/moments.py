@@ -61,13 +61,15 @@ def moment(stamp: float) -> str:
 
     Examples
     --------
-    >>> moment(1795344120.25)
-    '2026-11-22T10:42:00.250Z'
+    >>> moment(1795344120.25), moment(100.0006), moment(1795344120250.0)
+    ('2026-11-22T10:42:00.250Z', '1970-01-01T00:01:40.000600Z', '1795344120250.0')
     """
     found = _datetime(stamp, UTC)
     if found is None:
-        return f"{stamp:g}"
-    return found.isoformat(timespec="milliseconds").replace("+00:00", "Z")
+        return repr(stamp)
+    # Cut short, it would be a time before the one that is meant.
+    precise = "microseconds" if found.microsecond % 1000 else "milliseconds"
+    return found.isoformat(timespec=precise).replace("+00:00", "Z")
 
 
 def spoken(stamp: float) -> str:
@@ -80,7 +82,7 @@ def spoken(stamp: float) -> str:
     """
     found = _datetime(round(stamp, 3), UTC)
     if found is None:
-        return f"{stamp:g} s"
+        return f"{stamp!r} s"
     precise = "milliseconds" if found.microsecond else "seconds"
     return found.replace(tzinfo=None).isoformat(" ", precise) + " UTC"
 

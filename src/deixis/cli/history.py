@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -17,6 +18,7 @@ from deixis.moments import moment
 
 if TYPE_CHECKING:
     from deixis.explain import Answer
+    from deixis.scene import Scene
     from deixis.semantic_map import Interval, SemanticMap
     from deixis.words import Lasting
 
@@ -66,7 +68,10 @@ def since(
         if found is None:
             before = kept.intervals([name], figure=figure, reference=reference, view=by, end=then, **how)
             last = max((one for one in before if one.view == by), key=lambda one: one.since, default=None)
-        answer = _why(kept, goal, then, rules, region) if why else None
+        answer = None
+        if why:
+            missing = [] if found else _missing(kept.scene(at=then), (figure, reference, *view))
+            answer = _why(kept, goal, then, rules, region, missing)
         lasting = _lasting(kept)
     if found is None:
         asked = Interval(name, figure, reference, by, now, None)
@@ -237,10 +242,26 @@ def _row(one: Interval) -> dict[str, Any]:
     return {**one.to_dict(), "since": moment(one.since), "until": until}
 
 
-def _why(kept: SemanticMap, goal: str, at: float | None, rules: list[Path] | None, region: Region) -> Answer:
-    """Return why something held at a time, or why not."""
+def _missing(then: Scene, names: Sequence[str | None]) -> list[str]:
+    """Return which things and views are not there in a scene."""
+    there = {thing.id for thing in then.objects} | {view.id for view in then.views}
+    return [name for name in names if name and name not in there]
+
+
+def _why(
+    kept: SemanticMap,
+    goal: str,
+    at: float | None,
+    rules: list[Path] | None,
+    region: Region,
+    missing: Sequence[str] = (),
+) -> Answer:
+    """Return why something held at a time, or why not; where something was missing, that it was."""
+    from deixis.explain import Answer
     from deixis.knowledge import KnowledgeBase
 
+    if missing:
+        return Answer(None, None, f"at that time there is no {' and no '.join(missing)}")
     with KnowledgeBase(kept.scene(at=at), rules=rules or (), region=region.value) as kb:
         return kb.why(goal, timeout=_REASON)
 
@@ -254,7 +275,5 @@ def _because(kept: SemanticMap, one: Interval, change: str, rules: list[Path] | 
     from deixis.consequences import because
 
     at = one.until if change == "lost" and one.until is not None else one.since
-    then = kept.scene(at=at)
-    there = {thing.id for thing in then.objects} | {view.id for view in then.views}
-    gone = [name for name in (one.figure, one.reference, one.view) if name and name not in there]
+    gone = _missing(kept.scene(at=at), (one.figure, one.reference, one.view))
     return f"{' and '.join(gone)} gone" if gone else because(_why(kept, one.to_prolog(), at, rules, region))
