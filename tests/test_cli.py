@@ -733,3 +733,18 @@ def test_what_is_written_goes_through_links_and_pipes_and_keeps_its_mode(tmp_pat
     for place in (tmp_path, Path(), Path("/")):
         with pytest.raises(IsADirectoryError):
             write_whole(place, b"")
+
+
+def test_a_write_that_is_interrupted_leaves_nothing_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from deixis._files import write_whole
+
+    def interrupt(_: int) -> None:
+        raise KeyboardInterrupt
+
+    (tmp_path / "kept").write_bytes(b"old")
+    monkeypatch.setattr(os, "fsync", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        write_whole(tmp_path / "kept", b"new")
+    assert [(one.name, one.read_bytes()) for one in tmp_path.iterdir()] == [("kept", b"old")]

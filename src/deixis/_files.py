@@ -68,7 +68,7 @@ def write_whole(place: Path, text: bytes) -> None:
         if place.exists():
             shutil.copymode(place, draft)
         draft.replace(place)
-    except OSError:
+    except BaseException:  # someone's Ctrl-C among them
         draft.unlink(missing_ok=True)
         raise
 
