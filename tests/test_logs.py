@@ -227,6 +227,9 @@ def test_loops_and_changed_parents_are_said() -> None:
     for child, parent in (("a", "b"), ("b", "a")):
         known.tell(child, parent, 0, (0, 0, 0), (0, 0, 0, 1))
     assert known.pose("a", "map", 0) == Unknown("tf has a loop", "above 'a' at 0.000000000")
+    # A frame beside the loop hangs on it too, and has no pose that counts how often one goes round.
+    known.tell("beside", "b", 0, (0, 1, 0), (0, 0, 0, 1))
+    assert known.pose("a", "beside", 0) == Unknown("tf has a loop", "above 'a' at 0.000000000")
     known.tell("c", "map", 0, (0, 0, 0), (0, 0, 0, 1))
     known.tell("c", "hand", 10, (0, 0, 0), (0, 0, 0, 1))
     assert known.pose("c", "map", 5) == Unknown(

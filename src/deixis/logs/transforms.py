@@ -30,6 +30,8 @@ UNIT_WITHIN: Final = 0.01
 _DEEPEST: Final = 100
 """Frames between a frame and its root; more are a loop."""
 
+_LOOP: Final = "tf has a loop"
+
 
 class Pose(NamedTuple):
     """A place, metres, and a turn."""
@@ -184,6 +186,9 @@ class Transforms:
         if up[-1][0] == within:
             return _composed(up)
         down, why_not = self._chain(within, stamp, up[-1][0])
+        loop = next((one for one in (why, why_not) if one is not None and one.reason == _LOOP), None)
+        if loop is not None:
+            return loop  # where the two meet is on a way that was gone round many times
         passed = {name: at for at, (name, _) in enumerate(up)}
         meeting = next((at for at, (name, _) in enumerate(down) if name in passed), None)
         if meeting is not None:
@@ -207,7 +212,7 @@ class Transforms:
             if link is None or isinstance(link, Unknown):
                 return found, link
             if len(found) > _DEEPEST:
-                return found, Unknown("tf has a loop", f"above {quoted(frame)} at {seconds(stamp)}")
+                return found, Unknown(_LOOP, f"above {quoted(frame)} at {seconds(stamp)}")
             found.append(link)
         return found, None
 
