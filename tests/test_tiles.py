@@ -388,6 +388,16 @@ def test_a_stopped_run_goes_on_where_it_was(tmp_path: Path) -> None:
         run_tiles([tmp_path / "map.parquet"], tmp_path / "out", **{**options, "size": 4.0})
 
 
+def test_what_was_written_is_not_read_again(tmp_path: Path) -> None:
+    """A run goes on in a folder that lies among its maps."""
+    pq.write_table(table(), tmp_path / "map.parquet")
+    done = run_tiles([tmp_path], tmp_path / "out", size=9.0, relations=["near"], workers=1)
+    (tmp_path / "out" / ".deixis-work").mkdir()  # as of a run that was stopped before it had tidied up
+    again = run_tiles([tmp_path], tmp_path / "out", size=9.0, relations=["near"], workers=1)
+    assert (again.before, again.relations) == (done.tiles, done.relations)
+    assert not (tmp_path / "out" / ".deixis-work").exists()
+
+
 def test_processes_share_the_tiles(tmp_path: Path) -> None:
     pq.write_table(table(), tmp_path / "map.parquet")
     for name, workers in (("one", 1), ("two", 2)):

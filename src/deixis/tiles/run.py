@@ -103,17 +103,18 @@ def run(
         Ray is not installed.
     """
     check_size(size)
-    inputs = files(places)
+    # Whoever does a tile may stand elsewhere.
+    target = target.resolve()
+    inputs = files(places, target)
     told = head(inputs)
     found = tuple(str(one.absolute()) for one in (locate(rules, datalog_files()) if rules else ()))
-    # Whoever does a tile may stand elsewhere.
-    target = target.absolute()
     work = target / _WORK
     options = {"size": size, "relations": list(relations), "rules": found}
     before = _manifest(target, inputs, options)
     job = Job(str(work), 1.0, json.dumps(told.to_dict()), places[0].name, tuple(relations), found)
     Worker(job).places  # noqa: B018 - what is wrong with the rules or the names is said at once
     if before.get("done"):
+        shutil.rmtree(work, ignore_errors=True)  # of a run that was stopped at its very end
         return Summary(before["tiles"], 0, before["tiles"], before["things"], before["relations"])
     if "metres" not in before:
         shutil.rmtree(work, ignore_errors=True)

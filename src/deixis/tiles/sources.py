@@ -42,8 +42,14 @@ _UNPLAIN: Final = r"[\p{Cc}\p{Zl}\p{Zp}\x{061c}\x{200e}\x{200f}\x{202a}-\x{202e}
 KINDS: Final = "Parquet (.parquet), Arrow (.arrow), JSON lines (.jsonl) or scene files (.json)"
 
 
-def files(places: Sequence[Path]) -> list[Path]:
+def files(places: Sequence[Path], target: Path | None = None) -> list[Path]:
     """Return the files to read: those given, and those in folders given, by name.
+
+    Parameters
+    ----------
+    places : sequence of Path
+    target : Path, optional
+        A folder that is passed by: what is written there is not read again.
 
     Raises
     ------
@@ -53,7 +59,8 @@ def files(places: Sequence[Path]) -> list[Path]:
     found: list[Path] = []
     for place in places:
         if place.is_dir():
-            inside = sorted(one for kind in _READERS for one in place.rglob(f"*{kind}") if one.is_file())
+            named = (one for kind in _READERS for one in place.rglob(f"*{kind}") if one.is_file())
+            inside = sorted(one for one in named if target not in one.resolve().parents)
             if not inside:
                 raise ReaderError(f"{quoted(str(place), 200)} holds no map: give {KINDS}")
             found += inside
