@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import multiprocessing
 import os
 import re
@@ -217,6 +218,16 @@ def test_rows_are_read_each_once_wherever_they_are_cut(tmp_path: Path, size: int
     assert read(place, size=size) == list(zip(texts, wanted, strict=True))
 
 
+def test_a_name_in_another_encoding_costs_no_scene(tmp_path: Path) -> None:
+    text = b"caf\xe9caf\xc3\xa9"
+    names = pa.Array.from_buffers(
+        pa.string(), 2, [None, pa.py_buffer(np.array([0, 4, 9], np.int32)), pa.py_buffer(text)]
+    )
+    place = tmp_path / "a.parquet"
+    pq.write_table(pa.table({"source": names, "scene": ["{}", "{}"]}), place)
+    assert [name for name, _ in read(place, size=9)] == ["caf\ufffd", "caf\xe9"]
+
+
 def test_a_line_longer_than_is_parsed_is_refused_alone(tmp_path: Path) -> None:
     room = json.dumps(rooms(1, 8)[0]).encode()
     place = as_lines(tmp_path / "a.jsonl", [room, b" " * (MAX_FILE_BYTES + 10) + room, room])
@@ -415,6 +426,28 @@ def test_a_folder_is_of_one_data_set(tmp_path: Path) -> None:
     as_lines(place, rooms(4, 8))
     with pytest.raises(ReaderError, match=r"other rules .* and inputs"):
         batch([place], out, relate, workers=1)
+
+
+def test_relations_that_were_removed_are_derived_again(tmp_path: Path) -> None:
+    place, out = as_lines(tmp_path / "rooms.jsonl", rooms(4, 8)), tmp_path / "out"
+    whole = batch([place], out, Relate(relations=("near",)), shard=2, workers=1)
+    (out / "00000001.parquet").unlink()
+    assert batch([place], out, Relate(relations=("near",)), shard=2, workers=1) == whole
+    assert found(out)[0].num_rows == whole.relations
+    for one in out.glob("*.parquet"):
+        one.unlink()
+    # Nothing is left of the one before, so that it may be something else.
+    other = batch([place], out, Relate(relations=("above",)), shard=4, workers=1)
+    assert set(found(out)[0]["relation"].to_pylist()) == {"above"}
+    assert (other.scenes, found(out)[0].num_rows) == (4, other.relations)
+    assert [one.name for one in (out / "_errors").iterdir()] == ["00000000.parquet"]
+
+
+def test_a_limit_may_be_infinite(tmp_path: Path) -> None:
+    place, out = as_lines(tmp_path / "rooms.jsonl", rooms(2, 8)), tmp_path / "out"
+    for _ in range(2):
+        done = batch([place], out, Relate(relations=("near",)), limit=math.inf, workers=1)
+        assert (done.scenes, done.refused) == (2, 0)
 
 
 def test_other_folders_are_left_alone(tmp_path: Path) -> None:

@@ -69,7 +69,7 @@ class Folder:
     def done(self, number: int) -> Counts | None:
         """Return what became of a shard, or None if it is not done."""
         place = self._errors(number)
-        if not place.exists():
+        if not (place.exists() and self._relations(number).exists()):
             return None
         try:
             return Counts(**json.loads((pq.read_schema(place).metadata or {})[_COUNTS]))
@@ -104,6 +104,10 @@ class Folder:
                         f"give another folder with -o, or remove this one"
                     )
             else:
+                if place.exists():
+                    # Of relations that were removed: it would say that they are there.
+                    for stale in (self.path / _ERRORS).glob("*.parquet"):
+                        stale.unlink()
                 write_whole(place, (json.dumps(told, indent=1) + "\n").encode())
         except OSError as cause:
             raise ReaderError(

@@ -23,6 +23,9 @@ SHARD: Final = 128
 LIMIT: Final = 60.0
 """Seconds that a scene may take."""
 
+_LONGEST: Final = 1.0e9
+"""Seconds: a longer limit, such as infinity, is none, and no timer can be set to it."""
+
 
 def run(
     places: Sequence[Path],
@@ -48,7 +51,7 @@ def run(
         The folder; made if need be.
     relate : Relate
     limit : float
-        Seconds that a scene may take.
+        Seconds that a scene may take; infinity for any time.
     shard : int
         The most scenes in a shard.
     workers : int
@@ -74,6 +77,7 @@ def run(
     """
     relate = replace(relate, rules=tuple(map(_whole, relate.rules)))
     relate.ready()
+    limit = min(limit, _LONGEST)
     folder = Folder(target.resolve())
     given = files(places, folder.path)
     folder.begin(given, relate, limit, shard)

@@ -112,9 +112,10 @@ class Part:
         texts: list[Any] = batch.column("scene").cast(pa.large_binary()).to_pylist()
         names: list[Any] = [None] * len(texts)
         if "source" in batch.schema.names:
-            names = batch.column("source").to_pylist()
+            column = batch.column("source")
+            names = (column.cast(pa.large_binary()) if column.type in _TEXTS else column).to_pylist()
         for number, (name, text) in enumerate(zip(names, texts, strict=True), first):
-            yield Row(f"{self.source}:{number}" if name is None else str(name), text or b"", self.file)
+            yield Row(f"{self.source}:{number}" if name is None else _plain(name), text or b"", self.file)
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,6 +253,11 @@ def _row_parts(source: str, place: Path, size: int) -> Iterator[Part]:
                 first += rows
     except (pa.ArrowException, OSError) as error:
         raise ReaderError(f"{quoted(source, 200)} is no Parquet file: {error}") from error
+
+
+def _plain(name: object) -> str:
+    """Return what a row is called, as text; in another encoding some characters are replaced."""
+    return name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
 
 
 def _check_columns(source: str, schema: pa.Schema) -> None:
