@@ -130,6 +130,26 @@ def test_rules_of_ones_own_can_be_asked_about(tmp_path: Path, hans: KnowledgeBas
     assert 0.299 < now.distance[row] <= 0.3
 
 
+def test_what_rules_name_is_not_said_to_change_nothing(tmp_path: Path) -> None:
+    """Rules that say something of a thing by its name do not say it of its copies at other places."""
+    mine = tmp_path / "mine.pl"
+    mine.write_text(
+        "frail(cup).\nrisk(A, B) :- near(A, B), frail(A).\n"
+        "other(A, B) :- near(A, B), \\+ frail(A).\nbut(A, B) :- near(A, B), A \\== cup.\n"
+        "called(A, B) :- label(A, cup, _), near(A, B).\n"
+    )
+    apart = scene(*(box(name, (x, 0, 0), (0.1, 0.1, 0.1)) for name, x in (("cup", 0), ("jug", 2))))
+    kb = KnowledgeBase(apart, rules=[mine])
+    for goal in ("risk(cup, jug)", "other(cup, jug)", "but(cup, jug)"):
+        with pytest.raises(QueryError, match="nothing was found, but rules name 'cup'"):
+            kb.change(goal)
+    # A label of the same name is no matter.
+    for goal in ("other(jug, cup)", "called(cup, jug)", "near(cup, jug)"):
+        change = kb.change(goal)
+        assert change is not None
+        assert change.holds
+
+
 def test_a_change_may_hang_on_what_other_things_are_to_one_another(tmp_path: Path) -> None:
     """The answer for a thing that moves is derived through things that stay where they are."""
     stack = scene(

@@ -6,7 +6,7 @@ again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -26,7 +26,7 @@ from deixis.things import SpatialObject
 from deixis.trials import Asked, Row, Tried
 
 if TYPE_CHECKING:
-    from deixis.ruleset import Indicator
+    from deixis.ruleset import Indicator, Ruleset
     from deixis.ruleset.tables import Executor
 
 Bracket = tuple[Array, float, float]
@@ -169,7 +169,26 @@ def named_fact(goal: str, known: Sequence[str], predicates: Callable[[str], Sequ
     return (head.name, *names)
 
 
-def smallest_change(scene: Scene, facts: Facts, executor: Executor, goal: Row) -> Change | None:
+def names_in_rules(ruleset: Ruleset, predicate: Indicator) -> frozenset[str]:
+    """Return the names in those rules of one's own that a predicate rests on."""
+    from deixis.ruleset.model import Comparison, Constant, atoms
+
+    found: set[str] = set()
+    for one in ruleset.graph.needed([predicate]) & ruleset.user:
+        for rule in ruleset.by_head.get(one, ()):
+            goals = [inner for goal in rule.body for inner in getattr(goal, "goals", (goal,))]
+            compared = [
+                side for goal in goals if isinstance(goal, Comparison) for side in (goal.left, goal.right)
+            ]
+            named = [rule.head, *(atom for atom, _ in atoms(rule.body))]
+            values = [*compared, *(value for atom in named for value in atom.args)]
+            found |= {str(value.value) for value in values if isinstance(value, Constant)}
+    return frozenset(found)
+
+
+def smallest_change(
+    scene: Scene, facts: Facts, executor: Executor, goal: Row, named: Collection[str] = ()
+) -> Change | None:
     """Return the smallest translation found of a goal's figure that makes it true or, if it is, false.
 
     Tried are the directions of the world, of the boxes and views concerned, and of the contacts of the
@@ -188,6 +207,8 @@ def smallest_change(scene: Scene, facts: Facts, executor: Executor, goal: Row) -
         Of the rules.
     goal : tuple of str
         A predicate's name, then its arguments: names all of them.
+    named : collection of str
+        What the rules name: what they say of a thing by its name they do not say of its copies.
 
     Returns
     -------
@@ -199,7 +220,8 @@ def smallest_change(scene: Scene, facts: Facts, executor: Executor, goal: Row) -
     GeometryError
         The facts are not of boxes: too many places have to be tried.
     QueryError
-        The goal's figure is a surface, or none of its arguments is a thing.
+        The goal's figure is a surface, none of its arguments is a thing, or nothing is found and rules name
+        the figure.
     """
     if facts.region != "box":
         raise GeometryError("the smallest change is looked for with boxes only: use the region model box")
@@ -225,6 +247,11 @@ def smallest_change(scene: Scene, facts: Facts, executor: Executor, goal: Row) -
             return askew
         if straight is not None:
             return straight
+    if figure in named:
+        raise QueryError(
+            f"nothing was found, but rules name {quoted(figure)}, and what they say of it by its name was "
+            "not tried elsewhere: try places with what-if"
+        )
     return None
 
 

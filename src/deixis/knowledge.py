@@ -116,8 +116,8 @@ class KnowledgeBase(Following):
         Raises
         ------
         QueryError, GeometryError
-            The goal is not one relation of known things, or its figure is a surface; the region model is
-            not ``box``.
+            The goal is not one relation of known things, or its figure is a surface; nothing is found, and
+            rules of one's own name the figure; the region model is not ``box``.
 
         Examples
         --------
@@ -127,11 +127,12 @@ class KnowledgeBase(Following):
         >>> found.thing, [round(metres, 3) for metres in found.offset], found.holds
         ('sweater', [0.0, 0.0, 0.02], False)
         """
-        from deixis.counterfactual import named_fact, smallest_change
+        from deixis.counterfactual import named_fact, names_in_rules, smallest_change
 
         known = [*self.facts.ids, *(view.id for view in self.scene.views)]
         fact = named_fact(goal, known, self._predicates)
-        return smallest_change(self.scene, self.facts, self._executor, fact)
+        named = names_in_rules(self.ruleset, (fact[0], len(fact) - 1))
+        return smallest_change(self.scene, self.facts, self._executor, fact, named)
 
     def what_if(self, moves: Mapping[str, Sequence[float]]) -> KnowledgeBase:
         """Return the knowledge base of the scene in which some things are moved by x, y, z metres."""
