@@ -167,7 +167,7 @@ def write(
 
 
 def test_acknowledged_scenes_outlive_kill_9(tmp_path: Path) -> None:
-    crash(tmp_path, 10, 1)
+    crash(tmp_path, 6, 1)
 
 
 @pytest.mark.long

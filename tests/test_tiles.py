@@ -193,7 +193,7 @@ def random_case(seed: int) -> None:
         check(there, size, names, [own])
 
 
-@settings(max_examples=40, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, suppress_health_check=list(HealthCheck))
 @given(st.integers(0, 1 << 40))
 def test_the_union_over_tiles_is_the_whole(seed: int) -> None:
     random_case(seed)
