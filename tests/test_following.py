@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import math
 import os
 import pickle
@@ -23,6 +24,7 @@ from deixis.errors import QueryError, SceneError
 from deixis.knowledge import KnowledgeBase
 from deixis.living import kept, living
 from deixis.living.kept import Kept
+from deixis.scene import Scene
 from deixis.updates import Changes, Update
 from memory import MOST
 from scenes import box, floor, scene
@@ -97,6 +99,20 @@ def test_reasons_of_ones_own_rules(tmp_path: Path) -> None:
         told = {one.relation.relation: one.because for one in changes.explained().lost}
         assert told.keys() == {"on_top_of", "marked"}
         assert "8 cm" in told["marked"]
+
+
+def test_what_was_seen_in_a_view_that_is_gone_forgets_it() -> None:
+    """Else it would name a view that is not there, which no scene file may."""
+    things = [
+        {**box(f"o{at}", (at, 0, 0.1), (0.2, 0.2, 0.2)), "seen_in": ["v0", "v1"][at:]} for at in range(2)
+    ]
+    views = [{"id": f"v{at}", "position": [0, -2, 1]} for at in range(2)]
+    kb = KnowledgeBase(scene(floor(), *things, views=views))
+    new = {**box("o2", (2, 0, 0.1), (0.2, 0.2, 0.2)), "seen_in": ["v1"]}
+    kb.update(Update.from_dict({"objects": [new], "removed_views": ["v1"]}, kb.scene))
+    again = Scene.from_dict(json.loads(kb.scene.to_json()))
+    assert {one.id: one.seen_in for one in again.objects[1:]} == {"o0": ("v0",), "o1": (), "o2": ()}
+    assert kb.kept == KnowledgeBase(again).relations()
 
 
 def test_changes_go_to_other_processes_without_their_reasons() -> None:

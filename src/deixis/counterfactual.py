@@ -127,7 +127,7 @@ def moved_things(scene: Scene, offsets: Mapping[str, ArrayLike]) -> tuple[Spatia
         try:
             numeric = np.asarray(given).dtype.kind in "iuf"
             offset = np.array(given, dtype=np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             numeric, offset = False, np.zeros(0)
         if not numeric or offset.shape != (3,) or not np.isfinite(offset).all():
             raise SceneError(f"the move of {quoted(name)} is not x, y, z in metres: give three numbers")

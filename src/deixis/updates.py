@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from numbers import Real
 from typing import Any, Final
 
@@ -112,9 +112,24 @@ class Update:
         missing = next((name for name in self.removed_views if name not in views), None)
         if missing is not None:
             raise SceneError(f"scene {quoted(scene.id)} has no view {quoted(missing)}: give one it has")
+        both = next((view.id for view in self.views if view.id in self.removed_views), None)
+        if both is not None:
+            raise SceneError(f"view {quoted(both)} is both given and removed: leave out one")
         views |= {view.id: view for view in self.views}
         kept = [view for view in views.values() if view.id not in self.removed_views]
-        return scene.changed(objects=self.objects, removed=self.removed, views=kept)
+        return scene.changed(objects=self._seen(scene), removed=self.removed, views=kept)
+
+    def _seen(self, scene: Scene) -> list[SpatialObject]:
+        """Return the objects given, and those that were seen in a view that is removed, without that view."""
+        gone = set(self.removed_views)
+        if not gone:
+            return list(self.objects)
+        told = self.things
+        others = [one for one in scene.objects if one.id not in told and not gone.isdisjoint(one.seen_in)]
+        return [
+            replace(one, seen_in=tuple(view for view in one.seen_in if view not in gone))
+            for one in (*self.objects, *others)
+        ]
 
     @property
     def things(self) -> frozenset[str]:
