@@ -10,6 +10,7 @@ import pickle
 import random
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -101,6 +102,15 @@ def test_reasons_of_ones_own_rules(tmp_path: Path) -> None:
         assert "8 cm" in told["marked"]
 
 
+def test_what_shares_its_id_with_a_view_that_is_gone_is_not_gone() -> None:
+    things = floor(), box("cup", (0, 0, 0.1), (0.2, 0.2, 0.2))
+    views = [{"id": "cup", "position": [0, -2, 1]}]
+    with KnowledgeBase(scene(*things, views=views)) as kb:
+        told = {"moves": {"cup": [0, 0, 0.1]}, "removed_views": ["cup"]}
+        lost = kb.update(Update.from_dict(told, kb.scene)).explained().lost
+        assert [one.because for one in lost] == ["The cup is not on top of the floor (short by 8 cm)."]
+
+
 def test_what_was_seen_in_a_view_that_is_gone_forgets_it() -> None:
     """Else it would name a view that is not there, which no scene file may."""
     things = [
@@ -113,6 +123,24 @@ def test_what_was_seen_in_a_view_that_is_gone_forgets_it() -> None:
     again = Scene.from_dict(json.loads(kb.scene.to_json()))
     assert {one.id: one.seen_in for one in again.objects[1:]} == {"o0": ("v0",), "o1": (), "o2": ()}
     assert kb.kept == KnowledgeBase(again).relations()
+
+
+def test_what_is_kept_is_told_between_updates(monkeypatch: pytest.MonkeyPatch) -> None:
+    kb = KnowledgeBase.from_scene(HANS)
+    before, told = kb.kept, []
+    asking = threading.Thread(target=lambda: told.append(kb.kept))
+    original = living.Living._taken_over
+
+    def taken_over(self: Any, *args: Any) -> Any:
+        asking.start()
+        asking.join(0.2)
+        return original(self, *args)
+
+    monkeypatch.setattr(living.Living, "_taken_over", taken_over)
+    kb.update(Update.from_dict(LIFTED, kb.scene))
+    asking.join()
+    assert told == [kb.kept]
+    assert told != [before]
 
 
 def test_changes_go_to_other_processes_without_their_reasons() -> None:

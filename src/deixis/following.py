@@ -82,7 +82,8 @@ class Following(Explaining):
     @property
     def kept(self) -> tuple[Relation, ...]:
         """Return the relations that :meth:`update` keeps up, with their margins as they are now."""
-        return in_order(map(_relation, self._living.holds.items()))
+        with self._updating:
+            return in_order(map(_relation, self._living.holds.items()))
 
     def subscribe(self, subscriber: Callable[[Changes], object]) -> Callable[[], None]:
         """Call a function with the changes of each update from now on; return how to end that.
@@ -130,7 +131,11 @@ class _Reasons:
 
     def __init__(self, kb: Following, then: Scene, update: Update) -> None:
         self._kb, self._objects, self._views = kb, then.objects, then.views
-        self._gone = {*update.removed, *update.removed_views}
+        gone = {*update.removed, *update.removed_views}
+        # A thing and a view may have one id: what is there still is not gone.
+        if gone:
+            gone -= {one.id for one in then.objects} | {one.id for one in then.views}
+        self._gone = gone
 
     def __call__(self, some: Sequence[Relation], timeout: float) -> list[str]:
         kb = self._kb
