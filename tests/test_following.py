@@ -143,6 +143,22 @@ def test_what_is_kept_is_told_between_updates(monkeypatch: pytest.MonkeyPatch) -
     assert told != [before]
 
 
+def test_prolog_is_told_of_what_changes_while_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    with KnowledgeBase.from_scene(HANS) as kb:
+        original = KnowledgeBase.facts_text
+
+        def facts_text(self: KnowledgeBase, **options: Any) -> str:
+            text = original(self, **options)
+            monkeypatch.undo()
+            self.update(Update.from_dict(LIFTED, self.scene))
+            return text
+
+        monkeypatch.setattr(KnowledgeBase, "facts_text", facts_text)
+        # Whether this is answered before or after the update is open.
+        kb.why("on_top_of(sweater, heater)")
+        assert not kb.why("on_top_of(sweater, heater)")
+
+
 def test_changes_go_to_other_processes_without_their_reasons() -> None:
     with KnowledgeBase.from_scene(HANS) as kb:
         changes = kb.update(Update.from_dict(LIFTED, kb.scene))

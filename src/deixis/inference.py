@@ -151,15 +151,20 @@ class Inference:
                 # Starting does not wait: Prolog comes up while the geometry is grounded.
                 engine = PrologEngine([*self._theory, *self.rule_files], tabled=self.tabled)
                 try:
-                    engine.load(self.facts_text(readable=False))
+                    loaded = self._load(engine)
                 except BaseException:
                     engine.close()
                     raise
-                self._engine, self._loaded = engine, self.facts
+                self._engine, self._loaded = engine, loaded
             elif self._loaded is not self.facts:
-                self._engine.load(self.facts_text(readable=False))
-                self._loaded = self.facts
+                self._loaded = self._load(self._engine)
             return self._engine
+
+    def _load(self, engine: PrologEngine) -> Facts:
+        """Load the facts; return those of before: if the scene changes meanwhile, they are loaded again."""
+        facts = self.facts
+        engine.load(self.facts_text(readable=False))
+        return facts
 
     def relations(
         self,
