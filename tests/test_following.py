@@ -241,6 +241,23 @@ def test_live_says_why() -> None:
     assert '"because": "The sweater is not on top of the electric heater (short by 8 cm)."' in done.out
 
 
+def test_live_goes_on_where_reasons_take_too_long(tmp_path: Path) -> None:
+    script = tmp_path / "hurried.py"
+    script.write_text(
+        "import sys\nfrom deixis.cli import live, main\nlive._PATIENCE = 1e-6\n"
+        f"sys.argv = ['deixis', 'live', {str(HANS)!r}]\nsys.exit(main())\n",
+        "utf-8",
+    )
+    updates = "\n".join(json.dumps({"moves": {"sweater": [0, 0, way]}}) for way in (0.1, -0.1))
+    done = subprocess.run(
+        [sys.executable, str(script)], check=False, input=updates.encode(), stdout=subprocess.PIPE
+    )
+    told = [json.loads(line) for line in done.stdout.splitlines()]
+    assert done.returncode == 0
+    assert [len(one["gained"]) for one in told] == [0, 1]
+    assert [one["because"] for one in told[0]["lost"] + told[1]["gained"]] == [None, None]
+
+
 # For long
 
 

@@ -11,7 +11,7 @@ import typer
 
 from deixis.cli.commands import Region as RegionName
 from deixis.cli.commands import RegionOption, RuleFiles, ScenePath, app, open_scene
-from deixis.errors import DeixisError, SceneError
+from deixis.errors import DeixisError, QueryTimeout, SceneError
 
 if TYPE_CHECKING:
     from deixis.updates import Changes
@@ -34,7 +34,8 @@ def live(
 
     An update has objects and views as in a scene file, moves ({"cup": [0, 0, 0.1]}), removed, removed_views
     and stamp, all optional. What is written has gained and lost: relations with their margins, each with
-    because, the reason in a sentence. An update that is refused changes nothing, and its line says why.
+    because, the reason in a sentence, or null where that takes too long. An update that is refused changes
+    nothing, and its line says why.
     Exit codes: 0 all were made, 2 some were refused.
     """
     from deixis.strict_json import MAX_FILE_BYTES, parse
@@ -59,9 +60,14 @@ def live(
 
 
 def _with_reasons(changes: Changes) -> dict[str, Any]:
-    """Return the changes with the reason of each: why it holds now, or why not any more."""
-    told = changes.explained(timeout=_PATIENCE).to_dict()
-    return {**changes.to_dict(), "gained": told["gained"], "lost": told["lost"]}
+    """Return the changes with the reason of each: why it holds now, or why not any more; null if late."""
+    told = changes.to_dict()
+    try:
+        reasons = changes.explained(timeout=_PATIENCE).to_dict()
+    except QueryTimeout:
+        # The scene has changed all the same, and the next update may be told why.
+        return told | {key: [{**one, "because": None} for one in told[key]] for key in ("gained", "lost")}
+    return {**told, "gained": reasons["gained"], "lost": reasons["lost"]}
 
 
 def _lines(stream: BinaryIO, limit: int) -> Iterator[tuple[bytes, bool]]:
