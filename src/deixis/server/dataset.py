@@ -10,7 +10,8 @@ from __future__ import annotations
 import asyncio
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
 from typing import Any, Final
 
 from deixis.errors import DeixisError, QueryTimeout, SceneError
@@ -110,7 +111,7 @@ class Dataset:
             loaded = await self.processes[1].load(name, text)
             seen = self._updates
             snapshot = await self._snapshot(self.scenes | {name: loaded}, self._own)
-            async with self._committing:
+            async with _kept(snapshot), self._committing:
                 if self._store is not None:
                     await asyncio.to_thread(self._store.save, name, loaded.text.decode())
                 new = name not in self.scenes
@@ -127,7 +128,7 @@ class Dataset:
             seen = self._updates
             scenes = {one: loaded for one, loaded in self.scenes.items() if one != name}
             snapshot = await self._snapshot(scenes, self._own)
-            async with self._committing:
+            async with _kept(snapshot), self._committing:
                 if self._store is not None:
                     await asyncio.to_thread(self._store.remove, name)
                 self.scenes = {one: loaded for one, loaded in self.scenes.items() if one != name}
@@ -263,8 +264,9 @@ class Dataset:
                 await child.end()
             seen = self._updates
             snapshot = await self._snapshot(self.scenes, own)
-            if self._store is not None:
-                await asyncio.to_thread(self._store.save_graphs, own)
+            async with _kept(snapshot):
+                if self._store is not None:
+                    await asyncio.to_thread(self._store.save_graphs, own)
             self._own = own
             await self._swap(snapshot, seen)
 
@@ -274,13 +276,13 @@ class Dataset:
 
     async def page(self, name: str) -> bytes:
         """Return the page of one scene."""
-        return (await self._reasoned(name, "view", self._now(name)))[1]
+        return (await self._shown(name, "view", self._loaded(name)))[1]
 
     async def page_data(self, name: str) -> bytes:
         """Return the data of the page of one scene, in JSON."""
         loaded = self._loaded(name)
         if loaded.page is None:
-            work = self._reasoned(name, "shown", self._now(name))
+            work = self._shown(name, "shown", loaded)
             loaded.page = asyncio.get_running_loop().create_task(work)
 
             def noted(task: asyncio.Task[Answer]) -> None:
@@ -290,8 +292,10 @@ class Dataset:
             loaded.page.add_done_callback(noted)
         return (await asyncio.shield(loaded.page))[1]
 
-    def _now(self, name: str) -> dict[str, Any]:
-        return {"timeout": self._settings.limits.timeout, "event": self._loaded(name).event}
+    async def _shown(self, name: str, do: str, loaded: Loaded) -> Answer:
+        """Ask for a page or its data, which are those of one state of the scene and name its event."""
+        given = {"timeout": self._settings.limits.timeout, "event": loaded.event}
+        return await self.processes[1].ask(name, loaded, do, given)
 
     async def _reasoned(self, name: str, do: str, given: dict[str, Any] | None) -> Answer:
         return await self.processes[1].ask(name, self._loaded(name), do, given)
@@ -328,6 +332,16 @@ class Dataset:
         """Show readers a snapshot, which has so many updates."""
         old, self._current, self._seen = self.current, snapshot, seen
         await old.retire()
+
+
+@asynccontextmanager
+async def _kept(snapshot: Snapshot) -> AsyncIterator[None]:
+    """Give up a snapshot, with its processes, if what is to be done before it is shown fails."""
+    try:
+        yield
+    except BaseException:
+        await snapshot.retire()
+        raise
 
 
 def _noted(task: asyncio.Task[None]) -> None:

@@ -1,0 +1,82 @@
+"""What a server serves, spoken to without HTTP: nothing is left behind, and no two states are mixed."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import pytest
+
+from deixis.server import Settings
+from deixis.server.children import Child
+from deixis.server.dataset import Dataset
+from deixis.server.loaded import Loaded
+from deixis.server.reasons import Reasons
+from deixis.server.store import Store, StoreError
+from endpoint import HANS
+
+LIFTED = b'{"moves": {"sweater": [0, 0, 0.1]}}'
+
+
+def serving(work: Callable[[Dataset], Awaitable[None]], store: Path | None = None) -> None:
+    """Do something with a dataset that has the sample scene."""
+
+    async def run() -> None:
+        dataset = Dataset(Settings(store=store, token="secret", writable=True))  # noqa: S106 - a test's
+        try:
+            await dataset.start({"hans": HANS.read_bytes()}, {})
+            await work(dataset)
+        finally:
+            await dataset.stop()
+
+    asyncio.run(run())
+
+
+def test_what_cannot_be_kept_leaves_no_process_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[Child] = []
+    original = Child.fork
+
+    async def fork(self: Child) -> Child:
+        begun.append(await original(self))
+        return begun[-1]
+
+    def full(*_: object) -> None:
+        raise StoreError("no space left on device")
+
+    async def work(dataset: Dataset) -> None:
+        monkeypatch.setattr(Child, "fork", fork)
+        for name in ("save", "remove", "save_graphs"):
+            monkeypatch.setattr(Store, name, full)
+        changes: list[Awaitable[object]] = [
+            dataset.put("hans", HANS.read_bytes()),
+            dataset.remove("hans"),
+            dataset.change({"do": "drop", "name": "urn:none"}, b""),
+        ]
+        for change in changes:
+            with pytest.raises(StoreError, match="no space"):
+                await change
+        assert begun
+        assert not any(child.alive for child in begun)
+
+    serving(work, tmp_path / "store")
+
+
+def test_a_page_is_of_the_event_that_it_names() -> None:
+    async def work(dataset: Dataset) -> None:
+        before = dataset.scenes["hans"]
+        asked = asyncio.create_task(dataset.page_data("hans"))
+        # It has begun to ask; just then the scene changes.
+        await asyncio.sleep(0)
+        lifted = Reasons()
+        lifted.load(before.text, export=False)
+        after = Loaded.of(*lifted.tell(LIFTED, most=0))
+        after.event = "later"
+        dataset.scenes = {"hans": after}
+        for given, event in ((await asked, before.event), (await dataset.page_data("hans"), "later")):
+            assert json.loads(given)["now"]["event"] == event
+
+    serving(work)
