@@ -6,12 +6,14 @@ import asyncio
 import json
 from collections.abc import Awaitable, Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from deixis.server import Settings
 from deixis.server.children import Child
 from deixis.server.dataset import Dataset
+from deixis.server.keepers import Keepers
 from deixis.server.loaded import Loaded
 from deixis.server.reasons import Reasons
 from deixis.server.store import Store, StoreError
@@ -80,3 +82,34 @@ def test_a_page_is_of_the_event_that_it_names() -> None:
             assert json.loads(given)["now"]["event"] == event
 
     serving(work)
+
+
+class Idle:
+    """A keeper's process that does nothing, and ends slowly."""
+
+    def __init__(self) -> None:
+        self.alive = True
+
+    async def end(self) -> None:
+        self.alive = False
+        await asyncio.sleep(0)
+
+
+def test_a_keeper_that_is_taken_is_not_ended_as_one_to_spare() -> None:
+    async def make(_: bytes) -> Any:
+        return Idle()
+
+    async def work() -> None:
+        keepers = Keepers(make, 1)
+        one, two, three = [await keepers.take(name, "e", b"") for name in ("one", "two", "three")]
+        # Three are known, two too many, and two of them are to spare at once.
+        one.busy = two.busy = False
+        giving = asyncio.create_task(keepers.give_back(three))
+        await asyncio.sleep(0)
+        again = await keepers.take("two", "e", b"")
+        await giving
+        assert again.child.alive
+        await keepers.give_back(again)
+        await keepers.close()
+
+    asyncio.run(work())

@@ -66,8 +66,10 @@ class Keepers:
         if self._known.get(keeper.name) is not keeper:
             await keeper.child.end()
         spare = [name for name, one in self._known.items() if not one.busy]
-        for name in spare[: max(0, len(self._known) - self._most)]:
-            await self._known.pop(name).child.end()
+        # All at once: while one is ended, others may be taken.
+        ended = [self._known.pop(name) for name in spare[: max(0, len(self._known) - self._most)]]
+        for one in ended:
+            await one.child.end()
 
     async def close(self) -> None:
         """End all."""
