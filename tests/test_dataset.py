@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 
-from deixis.server import Settings
+from deixis.rdf.evaluator import TooLarge
+from deixis.server import Settings, reasons
 from deixis.server.children import Child
 from deixis.server.dataset import Dataset
 from deixis.server.keepers import Keepers
@@ -18,6 +19,7 @@ from deixis.server.loaded import Loaded
 from deixis.server.reasons import Reasons
 from deixis.server.store import Store, StoreError
 from endpoint import HANS
+from scenes import box
 
 LIFTED = b'{"moves": {"sweater": [0, 0, 0.1]}}'
 
@@ -113,3 +115,14 @@ def test_a_keeper_that_is_taken_is_not_ended_as_one_to_spare() -> None:
         await keepers.close()
 
     asyncio.run(work())
+
+
+def test_a_scene_that_could_not_be_read_again_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = Reasons()
+    kept.load(HANS.read_bytes(), export=False)
+    size = len(kept.kb.scene.to_json().encode())
+    monkeypatch.setattr(reasons, "MAX_FILE_BYTES", size + 10)
+    kept.tell(b"{}", most=0)
+    more = box("one more", (0, 0, 1), (0.1, 0.1, 0.1))
+    with pytest.raises(TooLarge, match=f"the limit is {size + 10:,}"):
+        kept.tell(json.dumps({"objects": [more]}).encode(), most=0)

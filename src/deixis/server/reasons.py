@@ -11,7 +11,7 @@ from deixis.knowledge import KnowledgeBase
 from deixis.relations import Relation
 from deixis.scene import Scene
 from deixis.server.goals import answers
-from deixis.strict_json import parse
+from deixis.strict_json import MAX_FILE_BYTES, parse
 
 _EXPORTED: Final = "the scene"
 
@@ -81,7 +81,10 @@ class Reasons:
         ------
         SceneError
             The update is not well formed, or tells of what is not there; the scene is as it was.
+        TooLarge
+            The scene is larger than any that is read; it has changed here, and is not to be served.
         """
+        from deixis.rdf.evaluator import TooLarge
         from deixis.rdf.export import graph_names
         from deixis.updates import Update
 
@@ -92,6 +95,8 @@ class Reasons:
         if len(changes) > most:
             changes = b""
         whole = self.kb.scene.to_json().encode()
+        if len(whole) > MAX_FILE_BYTES:
+            raise TooLarge(f"the scene would have {len(whole):,} bytes: the limit is {MAX_FILE_BYTES:,}")
         names = graph_names(self.kb)
         return {**self._summary(), "graphs": names, "split": len(whole), "count": count}, whole + changes
 
