@@ -343,7 +343,8 @@ opposed(Goal, M:Other, Text) :-
             saying(both_hold, [Fact, OtherText], Text)
         ;   strip_module(Goal, _, Said),
             subject(Said, Subject),
-            going_on(Other, denied_text(Other, Denied), Subject, Next),
+            after_fact(Subject, Other, Before),
+            going_on(Other, denied_text(Other, Denied), Before, Next),
             hindrances(M:Other, Next, Reasons),
             (   Reasons == []
             ->  saying(but, [Fact, Denied], Text)
@@ -355,6 +356,13 @@ opposed(Goal, M:Other, Text) :-
         denied_text(Plain, Fact),
         saying(nothing_to_contrast, [Fact], Text)
     ).
+
+%   after_fact(+Subject, +Other, -Before): "the cup is near the jug, but the mug is not near it" is of the jug.
+
+after_fact(it(Thing), Other, named(Thing)) :-
+    \+ subject(Other, it(Thing)),
+    !.
+after_fact(Subject, _, Subject).
 
 %   hindrances(:Goal, +Subject, -Texts): what keeps Goal from holding, by the rule that comes closest, as clauses
 %   about Subject.

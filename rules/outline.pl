@@ -36,8 +36,7 @@ node_dict(Place, Node, Dict, Subject, Next) :-
         ( Said == Text -> SaidOn = null ; SaidOn = Said ),
         Below = none
     ;   SaidOn = null,
-        Next = After,
-        ( Kind == negation -> Below = none ; Below = Subject )
+        ( Kind == negation -> Below = none, Next = Subject ; Below = Subject, Next = After )
     ),
     goal_parts(Goal, Functor, Args),
     atom_string(Functor, Name),

@@ -215,7 +215,7 @@ near_text(Goal, [node(_, Found, Margin, _, _)], Tail) :-
     plain(Found, Copy),
     include(spatial, Variables, Objects),
     (   Objects = [Object|_]
-    ->  the(Object, unsaid, Name),
+    ->  thing_name(Object, Name),               % "the closest is it" is no English
         saying(closest, [Name, Short], Tail)
     ;   saying(aside, [Short], Tail)
     ).
@@ -399,18 +399,19 @@ denied_text(Goal, Text) :-
 %!  subject(+Goal, -Subject) is det.
 %
 %   Subject is it(Thing) for the thing that a sentence about Goal is about, its first; `none` where there is
-%   none.
+%   none, or no template says Goal: it stands there as Prolog then, which names nothing.
 
 subject(Goal, Subject) :-
-    (   about(Goal, Thing)
+    (   about(Goal, Core, Thing),
+        template(Core, _)
     ->  Subject = it(Thing)
     ;   Subject = none
     ).
 
-about(Goal, _) :- \+ compound(Goal), !, fail.
-about(\+ Goal, Thing) :- !, about(Goal, Thing).
-about((Goal, _), Thing) :- !, about(Goal, Thing).
-about(Goal, Thing) :-
+about(Goal, _, _) :- \+ compound(Goal), !, fail.
+about(\+ Goal, Core, Thing) :- !, about(Goal, Core, Thing).
+about((Goal, _), Core, Thing) :- !, about(Goal, Core, Thing).
+about(Goal, Goal, Thing) :-
     arg(_, Goal, Thing),
     atom(Thing),
     spatial_obj(Thing),
@@ -429,12 +430,11 @@ going_on(Goal, Making, Subject, Next) :-
     ),
     (   Subject == none
     ->  Next = none
+    ;   \+ about(Goal, _, _)
+    ->  Next = Subject
     ;   arg(1, Subject, Thing),
-        subject(Goal, Other),
-        (   Other == none
-        ->  Next = Subject
-        ;   Other == it(Thing)
-        ->  Next = Other
+        (   subject(Goal, it(Thing))
+        ->  Next = it(Thing)
         ;   Next = named(Thing)
         )
     ).

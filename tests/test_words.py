@@ -257,6 +257,41 @@ def test_rules_of_ones_own_are_put_in_words(tmp_path: Path) -> None:
     assert call("rules", "check", first, second).code == 0
 
 
+PRONOUNS = """
+kept_off(A, B) :- near(A, B), \\+ touches(B, A).
+sure(A, B) :- label(A, _, S), \\+ ( label(A, _, More), More > S ), near(A, B).
+bare(A, B) :- near(A, B), \\+ on_top_of(_, B).
+says(sure, '{1} is surely by {2}', '{1} is not surely by {2}').
+says(bare, '{1} is by {2}, which is bare', '{1} is by {2}, which is not bare').
+"""
+
+
+def test_it_stands_for_what_was_named_and_for_nothing_else(tmp_path: Path) -> None:
+    rules = tmp_path / "own.pl"
+    rules.write_text(PRONOUNS, encoding="utf-8")
+    table = box("table", (0.0, 0.0, 0.35), (0.8, 1.6, 0.7))
+    cup, mug = (box(name, (0.0, y, 0.8), (0.1,) * 3) for name, y in (("cup", -0.3), ("mug", 2.2)))
+    with KnowledgeBase(scene(table, cup, mug), rules=[rules]) as kb:
+
+        def because(goal: str) -> str:
+            proof = kb.why(goal).proof
+            assert proof is not None
+            return proof.sentence().partition(", because ")[2]
+
+        # A conclusion that no template says has named nothing.
+        assert because("kept_off(cup, table)").startswith("the cup is near the table and the table does not ")
+        assert "touch the cup (short by 3 cm)" in because("kept_off(cup, table)")
+        # What is not said between two reasons takes nothing from the second.
+        assert because("sure(cup, table)").endswith(" with a score of 1 and it is near the table.")
+        assert "it is near the table" in because("bare(cup, table)")
+        assert "(the closest is the cup, short by 3 cm)" in because("bare(cup, table)")
+        # After the fact "it" would be the table.
+        assert (
+            "the mug is not on top of the cup" in kb.contrast("near(cup, table)", "on_top_of(mug, cup)").text
+        )
+        assert "but it is not on top of" in kb.contrast("near(cup, table)", "on_top_of(cup, table)").text
+
+
 HOSTILE = ("<script>alert(1)</script>", "'). halt. %", "~w ~p ~@", "{1}", "%d", 'say "hi"', "„x“")
 
 
