@@ -69,6 +69,20 @@ def test_what_cannot_be_kept_leaves_no_process_behind(
     serving(work, tmp_path / "store")
 
 
+def test_what_cannot_be_removed_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store = Store(tmp_path / "store")
+    store.save("room", '{"id": "room"}')
+
+    def refused(*_: object, **__: object) -> None:
+        raise PermissionError(1, "Operation not permitted")
+
+    monkeypatch.setattr(Path, "unlink", refused)
+    with pytest.raises(StoreError, match="cannot be removed: Operation not permitted"):
+        store.remove("room")
+    assert dict(store.scenes()) == {"room": b'{"id": "room"}'}
+    store.close()
+
+
 def test_a_page_is_of_the_event_that_it_names() -> None:
     async def work(dataset: Dataset) -> None:
         before = dataset.scenes["hans"]

@@ -86,8 +86,12 @@ class Store:
 
     def remove(self, name: str) -> None:
         """Remove a scene."""
-        self._file(name).unlink(missing_ok=True)
-        _settle(self._scenes)
+        place = self._file(name)
+        try:
+            place.unlink(missing_ok=True)
+            _settle(self._scenes)
+        except OSError as error:
+            raise StoreError(f"{place} cannot be removed: {error.strerror}") from error
 
     def graphs(self) -> bytes:
         """Return what clients wrote, as N-Quads."""
