@@ -34,6 +34,11 @@ HANS = Path(__file__).resolve().parent.parent / "kb" / "scenes" / "hans.json"
 LIFTED = {"moves": {"sweater": [0, 0, 0.1]}}
 
 
+def lifted(kb: KnowledgeBase, height: float) -> Update:
+    """Return the update that lifts the sweater off the heater, or lets it down."""
+    return Update.from_dict({"moves": {"sweater": [0, 0, height]}}, kb.scene)
+
+
 def test_whoever_fails_the_others_are_told() -> None:
     told: list[str] = []
 
@@ -57,6 +62,76 @@ def test_whoever_fails_the_others_are_told() -> None:
             kb.update(Update())
         assert told[3:] == ["one", "two"]
         assert kb.scene.objects[kb.scene.index("sweater")].region.center[2] > 0.6
+
+
+def test_what_a_subscriber_changes_is_told_after_what_it_is_told_of() -> None:
+    """To all in the same order; and whoever follows ends with what holds."""
+    first: list[Changes] = []
+    second: list[Changes] = []
+    with KnowledgeBase.from_scene(HANS) as kb:
+
+        def lift_again(changes: Changes) -> None:
+            first.append(changes)
+            if len(first) == 1:
+                assert kb.update(lifted(kb, -0.1)).gained
+                assert second == []
+
+        kb.subscribe(lift_again)
+        kb.subscribe(second.append)
+        assert kb.update(lifted(kb, 0.1)).lost
+    assert first == second
+    assert [bool(one.gained) for one in second] == [False, True]
+
+
+def test_two_threads_are_told_of_in_the_order_of_their_updates() -> None:
+    """One subscriber takes its time over the first, and meanwhile there is a second update."""
+    with KnowledgeBase.from_scene(HANS) as kb:
+        mirror = {one.to_prolog() for one in kb.kept}
+        entered, going_on = threading.Event(), threading.Event()
+
+        def slow(_: Changes) -> None:
+            entered.set()
+            assert going_on.wait(20.0)
+
+        def follow(changes: Changes) -> None:
+            mirror.difference_update(one.to_prolog() for one in changes.lost)
+            mirror.update(one.to_prolog() for one in changes.gained)
+
+        kb.subscribe(slow)
+        kb.subscribe(follow)
+        one = threading.Thread(target=kb.update, args=(lifted(kb, 0.1),))
+        one.start()
+        assert entered.wait(20.0)
+        kb.update(lifted(kb, -0.1))
+        going_on.set()
+        one.join(20.0)
+        assert mirror == {one.to_prolog() for one in kb.kept}
+
+
+def test_a_subscription_that_is_ended_twice_ends_no_other() -> None:
+    told: list[Changes] = []
+    with KnowledgeBase.from_scene(HANS) as kb:
+        ends = [kb.subscribe(told.append) for _ in range(2)]
+        ends[0]()
+        ends[0]()
+        kb.update(lifted(kb, 0.1))
+    assert len(told) == 1
+
+
+def test_what_interrupts_a_subscriber_leaves_the_others_to_be_told_of_the_next() -> None:
+    told: list[Changes] = []
+    with KnowledgeBase.from_scene(HANS) as kb:
+
+        def interrupted(_: Changes) -> None:
+            raise KeyboardInterrupt
+
+        end = kb.subscribe(interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            kb.update(lifted(kb, 0.1))
+        end()
+        kb.subscribe(told.append)
+        kb.update(lifted(kb, -0.1))
+    assert len(told) == 1
 
 
 def test_a_subscriber_may_end_it_while_it_is_told() -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import os
 import threading
+from collections import deque
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from deixis.explaining import Explaining
@@ -34,7 +35,9 @@ class Following(Explaining):
     ) -> None:
         super().__init__(scene, rules=rules, region=region, language=language, facts=facts)
         self._updating = threading.Lock()
-        self._subscribers: list[Callable[[Changes], object]] = []
+        self._subscribers: dict[object, Callable[[Changes], object]] = {}
+        self._untold: deque[Changes] = deque()
+        self._telling = False
 
     def update(self, update: Update) -> Changes:
         """Change the scene; return which relations hold now and did not, and the reverse.
@@ -74,9 +77,11 @@ class Following(Explaining):
             self.scene, self.facts = after, facts
             # What was made of the facts of before is made anew when it is asked for.
             self.__dict__.pop("_gathering", None)
-        gained, lost = (in_order(map(_relation, some.items())) for some in (found.gained, found.lost))
-        changes = Changes(update.stamp, gained, lost, _Reasons(self, after, update))
-        self._tell(changes)
+            gained, lost = (in_order(map(_relation, some.items())) for some in (found.gained, found.lost))
+            changes = Changes(update.stamp, gained, lost, _Reasons(self, after, update))
+            if self._subscribers:
+                self._untold.append(changes)
+        self._tell()
         return changes
 
     @property
@@ -88,23 +93,47 @@ class Following(Explaining):
     def subscribe(self, subscriber: Callable[[Changes], object]) -> Callable[[], None]:
         """Call a function with the changes of each update from now on; return how to end that.
 
-        Functions are called one after the other, in the thread that made the update.
+        Changes are told in the order of the updates, one after the other, as a rule in the thread that made
+        the update. Where one is told already, an update that is made meanwhile, by a function that is called
+        or in another thread, is told after it in the same thread.
         """
-        self._subscribers.append(subscriber)
-        return partial(self._subscribers.remove, subscriber)
+        key = object()
+        self._subscribers[key] = subscriber
 
-    def _tell(self, changes: Changes) -> None:
-        """Tell all subscribers; what any of them raises is raised when all have been told."""
+        def end() -> None:
+            self._subscribers.pop(key, None)
+
+        return end
+
+    def _tell(self) -> None:
+        """Tell all that is not told yet, unless someone does; what is raised is raised when all is told."""
+        with self._updating:
+            if self._telling:
+                return
+            self._telling = True
         errors: list[Exception] = []
-        for subscriber in tuple(self._subscribers):
-            try:
-                subscriber(changes)
-            except Exception as error:  # noqa: BLE001 - raised below
-                errors.append(error)
+        try:
+            while (changes := self._next()) is not None:
+                for subscriber in tuple(self._subscribers.values()):
+                    try:
+                        subscriber(changes)
+                    except Exception as error:  # noqa: BLE001 - raised below
+                        errors.append(error)
+        except BaseException:
+            self._telling = False
+            raise
         if len(errors) == 1:
             raise errors[0]
         if errors:
             raise ExceptionGroup(f"{len(errors)} subscribers failed", errors)
+
+    def _next(self) -> Changes | None:
+        """Return what is to be told next; None at the end of telling."""
+        with self._updating:
+            if self._untold:
+                return self._untold.popleft()
+            self._telling = False
+            return None
 
     @cached_property
     def _living(self) -> Living:
