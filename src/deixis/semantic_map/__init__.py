@@ -3,7 +3,7 @@
 A map is one DuckDB file, or a PostgreSQL database that several robots share; both are used alike.
 """
 
-from deixis.semantic_map.doors import create_map, is_map, open_map
+from deixis.semantic_map.doors import create_map, open_map
 from deixis.semantic_map.history import SemanticMap, ruleset_of
 from deixis.semantic_map.intervals import Between, Interval
 from deixis.semantic_map.store import Frame, Sighting
@@ -15,7 +15,6 @@ __all__ = [
     "SemanticMap",
     "Sighting",
     "create_map",
-    "is_map",
     "open_map",
     "ruleset_of",
 ]

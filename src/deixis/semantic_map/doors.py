@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Final
 
+from deixis.addresses import SHARED
 from deixis.scene import Scene
 from deixis.semantic_map.history import SemanticMap
-
-_SHARED: Final = ("postgresql://", "postgres://")
-
-_MAGIC: Final = slice(8, 12)
-"""Where a DuckDB file says what it is."""
 
 
 def create_map(address: str | os.PathLike[str], like: Scene) -> SemanticMap:
@@ -52,23 +47,9 @@ def open_map(address: str | os.PathLike[str]) -> SemanticMap:
     return kept
 
 
-def is_map(address: str | os.PathLike[str]) -> bool:
-    """Return whether something is a database by its address or its first bytes; it need hold no map."""
-    text = os.fspath(address)
-    if text.startswith(_SHARED):
-        return True
-    if not Path(text).is_file():
-        return False
-    try:
-        with Path(text).open("rb") as file:
-            return file.read(_MAGIC.stop)[_MAGIC] == b"DUCK"
-    except OSError:
-        return False  # whoever reads it as a scene will say what is wrong
-
-
 def _opened(address: str | os.PathLike[str], *, create: bool) -> SemanticMap:
     text = os.fspath(address)
-    if text.startswith(_SHARED):
+    if text.startswith(SHARED):
         from deixis.semantic_map.shared import PostgresMap
 
         return PostgresMap(text)

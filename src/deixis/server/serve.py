@@ -9,10 +9,9 @@ from typing import Final
 
 import uvicorn
 
+from deixis.addresses import is_map
 from deixis.errors import DeixisError
-from deixis.rdf.history import history_nquads
 from deixis.scene import Scene
-from deixis.semantic_map import is_map, open_map
 from deixis.server.app import create_app
 from deixis.server.connections import bounded
 from deixis.server.settings import Settings
@@ -104,6 +103,10 @@ def serve(scenes: Sequence[str], settings: Settings, ready: Callable[[], object]
 
 def _mapped(address: str) -> tuple[Scene, bytes]:
     """Return the scene of a map as it was told last, and its history as N-Quads."""
+    # Not before there is a map: it takes a while.
+    from deixis.rdf.history import history_nquads
+    from deixis.semantic_map import open_map
+
     with open_map(address) as kept:
         scene = kept.scene()
         return scene, history_nquads(scene, kept.intervals(), kept.labels(), kept.views())
