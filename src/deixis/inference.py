@@ -162,8 +162,10 @@ class Inference:
 
     def _load(self, engine: PrologEngine) -> Facts:
         """Load the facts; return those of before: if the scene changes meanwhile, they are loaded again."""
+        from deixis.prolog.text import facts_lists
+
         facts = self.facts
-        engine.load(self.facts_text(readable=False))
+        engine.load(list(facts_lists(facts, [(view.id, view.label) for view in self.scene.views])))
         return facts
 
     def relations(

@@ -5,7 +5,7 @@ A request is the text of one term, written by quote.py and text.py. A reply is o
 
   | rules(Files, Tabled)         | true: the rule files are loaded                   |
   | load(Facts)                  | replace all facts; how many there are             |
-  | load_file(File)              | the same, by a file with the list of them         |
+  | load_file(File)              | the same, by a file with lists of them            |
   | ask(Text, Limit, Inferences) | rows of bindings, whether cut short, its output   |
   | relations([Name/Arity, ...]) | all answers of these predicates, sorted, distinct |
   | call(Operation, Arguments)   | what the operation of a rule file returns         |
@@ -90,24 +90,16 @@ perform(rules(Files, Tabled), true) :-
     ;   throw(bridge(rules, "the rule files do not load without complaint", [complaints = Complaints]))
     ).
 perform(load(Facts), Count) :-
-    must_be(list, Facts),
-    (   ground(Facts)
-    ->  true
-    ;   throw(bridge(facts, "a base fact holds a variable", []))
-    ),
-    forall(base(Name, Arity),
-           ( functor(Head, Name, Arity),
-             retractall(facts:Head)
-           )),
-    add_facts(Facts),               % an error costs the engine, so that no half of them stays
-    abolish_all_tables,
-    length(Facts, Count).
+    forget_facts,
+    add_list(Facts, Count),
+    abolish_all_tables.
 perform(load_file(File), Count) :-
+    forget_facts,
     setup_call_cleanup(
         open(File, read, In, [encoding(utf8)]),
-        read_term(In, Facts, [module(bridge)]),
+        add_lists(In, Count),
         close(In)),
-    perform(load(Facts), Count).
+    abolish_all_tables.
 perform(ask(Text, Limit, Inferences), Answers) :-
     ask(Text, Limit, Inferences, Answers).
 perform(relations(Indicators), Tables) :-
@@ -160,6 +152,38 @@ remember_base :-
            ( functor(Head, Name, Arity),
              assertz(base(Name, Arity))
            )).
+
+forget_facts :-
+    forall(base(Name, Arity),
+           ( functor(Head, Name, Arity),
+             retractall(facts:Head)
+           )).
+
+%   add_lists(+Stream, -Count): list after list, so that no more than one of them needs memory. An error costs
+%   the engine, so that no half of the facts stays.
+
+add_lists(In, Count) :-
+    Added = added(0),
+    repeat,
+    read_term(In, Facts, [module(bridge)]),
+    (   Facts == end_of_file
+    ->  !,
+        arg(1, Added, Count)
+    ;   add_list(Facts, More),
+        arg(1, Added, Before),
+        After is Before + More,
+        nb_setarg(1, Added, After),
+        fail
+    ).
+
+add_list(Facts, Count) :-
+    must_be(list, Facts),
+    (   ground(Facts)
+    ->  true
+    ;   throw(bridge(facts, "a base fact holds a variable", []))
+    ),
+    add_facts(Facts),
+    length(Facts, Count).
 
 add_facts([]).
 add_facts([Fact|Facts]) :-
