@@ -123,7 +123,7 @@ def test_relations_as_json(hans: Path) -> None:
     assert {(one["reference"], one["view"]) for one in said["withheld"]} == {("floor", "v0"), ("floor", "v1")}
 
 
-def test_relations_as_csv_and_as_a_table_are_those_as_json(hans: Path) -> None:
+def test_relations_as_csv_and_as_a_table_are_those_as_json(hans: Path, tmp_path: Path) -> None:
     said = json.loads(call("relations", hans, "--format", "json").out)["relations"]
     plain = list(csv.DictReader(io.StringIO(call("relations", hans, "--format", "csv").out)))
     assert plain == [{name: str(value or "") for name, value in one.items()} for one in said]
@@ -136,8 +136,13 @@ def test_relations_as_csv_and_as_a_table_are_those_as_json(hans: Path) -> None:
     ]
     names = ("relation", "figure", "reference", "view")
     assert cells == [[*(one[name] or "" for name in names), f"{one['margin']:.3f}"] for one in said]
+    assert table.err == ""
+    robot = json.loads(hans.read_text(encoding="utf-8"))
+    unsteady = tmp_path / "unsteady.json"
+    unsteady.write_text(json.dumps(robot | {"thresholds": {"pose_noise": 0.05}}), encoding="utf-8")
     noise = [one for one in said if one["margin"] < 0.05]
-    assert table.err == f"deixis: {len(noise)} of {len(said)} hold by less than the pose noise of 5 cm\n"
+    told = f"deixis: {len(noise)} of {len(said)} hold by less than the pose noise of 5 cm\n"
+    assert call("relations", unsteady).err == told
 
 
 def test_relations_of_one_view_and_of_some_names(hans: Path) -> None:

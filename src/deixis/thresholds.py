@@ -57,7 +57,7 @@ class Thresholds:
     penetration: float = 0.04
     closeness: float = 1.0
     halfspace_scale: float = 1.2
-    pose_noise: float = 0.05
+    pose_noise: float = 0.01
     piece_gap: float = 0.1
 
     def __post_init__(self) -> None:
