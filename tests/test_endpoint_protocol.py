@@ -200,6 +200,17 @@ def test_what_cannot_be_sent_is_not_acceptable(server: Server, accept: str) -> N
     assert (reply.status, "offered" in reply.detail) == (406, True)
 
 
+@pytest.mark.parametrize("end", ["", " LIMIT 99999"])
+def test_what_is_wrong_is_said_of_the_query_as_it_was_written(server: Server, end: str) -> None:
+    """A limit of the server's own is put into most queries; nobody is told of it where they fail."""
+    query = f"SELECT ?a {{ ?a <urn:p> ?b . {end}"
+    reply = server.query(query)
+    assert reply.status == 400
+    place = f"line 1, column {len(query) + 1}, after" if not end else "line 1, column "
+    assert place in reply.detail
+    assert reply.detail.split('"')[1] in query
+
+
 def test_head_has_the_headers_and_no_body(server: Server) -> None:
     for path in ("/sparql", "/sparql?query=ASK%20%7B%7D", "/graphs?default"):
         reply = server.send("HEAD", path)

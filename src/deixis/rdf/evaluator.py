@@ -101,6 +101,7 @@ class Evaluator:
         graph: str = "ttl",
         rows: int,
         more: str | None = None,
+        written: str | None = None,
         size: int = 1 << 26,
         default: Sequence[str] = (),
         named: Sequence[str] = (),
@@ -118,6 +119,8 @@ class Evaluator:
             The most rows or triples of an answer.
         more : str, optional
             The same query asking for one row more than that, where the text was cut to give no more.
+        written : str, optional
+            The query as its author wrote it, if that is not the text: what is wrong is said of it.
         size : int
             The most bytes of an answer.
         default, named : sequence of str
@@ -137,7 +140,13 @@ class Evaluator:
             try:
                 return self._store.query(query, **options)
             except SyntaxError as error:
-                raise QueryError(f"the query is not well formed: {complaint(error, query)}") from None
+                told = complaint(error, query)
+                if written is not None:
+                    try:
+                        self._store.query(written, **options)
+                    except SyntaxError as own:
+                        told = complaint(own, written)
+                raise QueryError(f"the query is not well formed: {told}") from None
             except RuntimeError as error:
                 raise QueryError(f"the query cannot be answered: {error}") from None
 

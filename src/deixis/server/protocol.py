@@ -88,6 +88,7 @@ class Protocol:
             "rows": self._settings.limits.rows,
             "size": self._settings.limits.answer,
             "more": more,
+            "written": None if cut == text else text,
             "default": _all(fields, "default-graph-uri"),
             "named": _all(fields, "named-graph-uri"),
             "base": _base(request),
