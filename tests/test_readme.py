@@ -19,6 +19,7 @@ import pyoxigraph as ox
 import pytest
 
 import deixis.cli.words  # noqa: F401 - adds its commands
+import vocabulary_page
 from bags_written import kitchen
 from commands import run
 from deixis import Scene
@@ -165,7 +166,7 @@ def test_postgis_measures_what_is_shown(root: Path) -> None:
 
 
 def test_prolog_answers_what_is_shown(root: Path) -> None:
-    rule, _, own = blocks("prolog", RULES)
+    rule, _, own, _ = blocks("prolog", RULES)
     for block, name in ((rule, "commonsense"), (own, "safety"), (*blocks("prolog", README), "commonsense")):
         assert f"\n{block.text}\n" in (root / "rules" / f"{name}.pl").read_text(encoding="utf-8")
     command, *dialogue = shown_after(rule).text.splitlines()
@@ -186,13 +187,17 @@ def test_prolog_answers_what_is_shown(root: Path) -> None:
 
 
 def test_rules_of_ones_own_are_checked_as_is_shown(tmp_path: Path) -> None:
-    _, own, _ = blocks("prolog", RULES)
+    _, own, _, breach = blocks("prolog", RULES)
     (tmp_path / "my.pl").write_text(own.text, encoding="utf-8")
     assert run("relations", SCENE, "--rules", tmp_path / "my.pl", "--relation", "rests_on").code == 0
     (tmp_path / "my.pl").write_text(own.text.replace("on_top_of", "on_topof", 1), encoding="utf-8")
     result = run("rules", "check", "my.pl", cwd=tmp_path)
     assert (result.code, result.err) == (1, "")
     check(shown_after(own), result.out)
+    (tmp_path / "drying.pl").write_text(breach.text, encoding="utf-8")
+    found = run("check", SCENE, "--rules", tmp_path / "drying.pl")
+    assert found.code == 1
+    check(shown_after(breach), found.out)
 
 
 def test_the_table_of_commands_is_complete() -> None:
@@ -213,6 +218,10 @@ def test_links_lead_somewhere(page: Path) -> None:
     links = re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8"))
     inside = [link for link in links if not link.startswith("https://")]
     assert [link for link in inside if not (page.parent / link).exists()] == []
+
+
+def test_the_list_of_what_can_be_said_is_current() -> None:
+    assert vocabulary_page.PAGE.read_text(encoding="utf-8") == vocabulary_page.page()
 
 
 def test_every_page_of_the_guide_is_named_in_it() -> None:

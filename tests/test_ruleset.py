@@ -74,7 +74,7 @@ def test_a_rule_keeps_its_parts_and_places() -> None:
     file, found = read_text(text, MINE)
     assert found == []
     (rule,) = file.rules
-    assert rule.doc == "lone(?X)\nNothing else touches X."
+    assert rule.doc == "lone(?X)\n\nNothing else touches X."
     assert (rule.place.line, rule.place.column) == (4, 1)
     assert isinstance(rule.head.args[0], Constant)
     assert rule.head.args[0].value == "a b"

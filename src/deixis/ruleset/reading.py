@@ -371,9 +371,10 @@ def _outside(raw: Raw) -> _Refused:
 
 
 def _doc(comment: str) -> str:
-    """Return the words of a comment in front of a clause, without its marks."""
+    """Return the words of a comment in front of a clause, without its marks; its head is a paragraph."""
     lines = comment.split("\n")
     starts = [at for at, line in enumerate(lines) if line.startswith(("%!", "%%", "/**"))]
-    lines = lines[starts[-1] :] if starts else lines
+    if starts:
+        lines = [lines[starts[-1]], "%", *lines[starts[-1] + 1 :]]
     stripped = (re.sub(r"^\s*(%[%!]?|/\*\*?|\*/|\*(?!/))\s?|\*/\s*$", "", line) for line in lines)
-    return "\n".join(line.strip() for line in stripped).strip()
+    return re.sub(r"\n{3,}", "\n\n", "\n".join(line.strip() for line in stripped)).strip()
