@@ -127,7 +127,7 @@ misses(M:Goal, Nodes) :-
     findall(Best,
             ( member(Clause, Clauses),
               findall(Node, member(Clause-Node, Pairs), [First|Rest]),
-              foldl(closer, Rest, First, Best)
+              foldl(plainer, Rest, First, Best)
             ),
             Bests),
     findall(Node, blocked(Goal, M, Clauses, Node), Others),
@@ -221,6 +221,23 @@ near_whole(Goal, M, Node) :-
 
 refusal(M:Goal, Node) :-
     derive(holds, \+ Goal, M, [], Node).
+
+%   plainer(+A, +B, -C): the closer of two derivations; of two that are as close, that in which fewer parts fail.
+
+plainer(A, B, C) :-
+    margin(A, Margin),
+    margin(B, Margin),
+    !,
+    failing(A, FailingA),
+    failing(B, FailingB),
+    (   FailingB < FailingA
+    ->  C = B
+    ;   C = A
+    ).
+plainer(A, B, C) :- closer(A, B, C).
+
+failing(node(_, _, _, _, Children), Count) :-
+    aggregate_all(count, ( member(Child, Children), fails(Child) ), Count).
 
 closer(A, B, C) :-
     margin(A, MA),

@@ -5,9 +5,11 @@
             denied_text/2,              % +Goal, -Text
             subject/2,                  % +Goal, -Subject
             going_on/4,                 % +Goal, :Making, +Subject, -Next
+            fails/1,                    % +Node
             plain/2                     % +Marked, -Goal
           ]).
-:- use_module(library(lists), [member/2, nth1/3]).
+:- use_module(library(lists), [append/3, member/2, min_list/2, nth1/3, same_length/2]).
+:- use_module(library(pairs)).
 :- use_module(library(apply)).
 :- use_module(facts).
 :- use_module(axioms).
@@ -334,16 +336,71 @@ hindrance_text(What, Text) :-
 %   Texts say what keeps the derivation Node from holding: each of its parts that fails. Subject is what they go
 %   on about, or `none`.
 
-obstacles(node(_, _, _, _, Children), Subject, Texts) :-
-    include(fails, Children, Failing),
-    foldl(obstacle_clause, Failing, Texts, Subject, _).
+obstacles(node(_, Goal, _, Clause, Children), Subject, Texts) :-
+    (   lacking(Goal, Clause, Children, Lacking, Others)
+    ->  include(fails, Others, Failing),
+        append(Failing, [Lacking], Told)
+    ;   include(fails, Children, Told)
+    ),
+    foldl(obstacle_clause, Told, Texts, Subject, _).
 
 obstacle_clause(Child, Text, Subject, Next) :-
     ( witnessed(Child, Told) -> true ; Told = Child ),
     Told = node(_, Goal, _, _, _),
     going_on(Goal, obstacle(Child, Text), Subject, Next).
 
-%   fails(+Node): by the sign of its margin; at a bound, where that is zero, by what it consists of.
+%   lacking(+Goal, +Clause, +Children, -Lacking, -Others): goals of Clause ask for something that the head does not
+%   name, and the language says that there is nothing of the kind. What came closest is named then, as one of many:
+%   that this one fails is no reason by itself. Others are the other children.
+
+lacking(Goal, Clause, Children, node(lacking, Sought, Margin, none, [Template, Witness]), Others) :-
+    Clause \== none,
+    clause(Qualified, Body, Clause),
+    strip_module(Qualified, Module, Goal),
+    conjuncts(Body, Goals),
+    same_length(Goals, Children),
+    term_variables(Goals, Open),
+    pairs_keys_values(Pairs, Goals, Children),
+    language(Words),
+    member(Variable, Open),
+    partition(speaks_of(Variable), Pairs, Asking, Rest),
+    pairs_keys_values(Asking, Asked, Nodes),
+    conjuncts(Sought, Asked),
+    Words:none(Sought, Template),
+    \+ call(Module:Sought),
+    !,
+    include(fails, Nodes, Failing),
+    maplist(node_margin, Failing, Margins),
+    maplist(number, Margins),
+    min_list(Margins, Margin),
+    witness_of(Variable, Asking, Witness),
+    pairs_values(Rest, Others).
+
+conjuncts(Goal, [Goal]) :- Goal \= (_, _), !.
+conjuncts((Goal, Conjunction), [Goal|Goals]) :- conjuncts(Conjunction, Goals).
+
+node_margin(node(_, _, Margin, _, _), Margin).
+
+speaks_of(Variable, Goal-_) :-
+    term_variables(Goal, Variables),
+    member(Other, Variables),
+    Other == Variable,
+    !.
+
+%   witness_of(+Variable, +Asking, -Thing): what the derivation has in the place of Variable.
+
+witness_of(Variable, Asking, Thing) :-
+    member(Goal-node(_, Found, _, _, _), Asking),
+    arg(Place, Goal, Argument),
+    Argument == Variable,
+    arg(Place, Found, Thing),
+    atom(Thing),
+    spatial_obj(Thing),
+    !.
+
+%!  fails(+Node) is semidet.
+%
+%   Node does not hold: by the sign of its margin; at a bound, where that is zero, by what it consists of.
 
 fails(node(_, _, Margin, _, _)) :-
     number(Margin),
@@ -371,6 +428,13 @@ obstacle(Node, Text) :-
     witnessed(Node, Witness),
     !,
     node_text(Witness, Text).
+obstacle(node(lacking, _, Margin, _, [Template, Witness]), Text) :-
+    !,
+    template_text(Template, yes, Core),
+    thing_name(Witness, Name),
+    short_text(Margin, Short),
+    saying(closest, [Name, Short], Tail),
+    string_concat(Core, Tail, Text).
 obstacle(node(comparison, Goal, Margin, _, _), Text) :-
     !,
     comparison_text(Goal, Margin, Text).

@@ -154,6 +154,7 @@ no_other(touches(_, F), R, ['nichts außer', the(R), 'berührt', the(F)]).
 %   Template says that there is nothing of which Goal holds.
 
 none(on_wall(T, _), ['keine Wand hält', the(T)]).
+none((touches(F, S), below_r(S, F)), ['nichts, was', the(F), 'berührt, ist unter', the(F)]).
 none(has_near(T, Kind, _), ['nichts, was als', name(Kind), 'gilt, ist in der Nähe von', the(T)]).
 none((label(T, _, _), _ > _), ['keine andere Bezeichnung von', the(T), 'hat eine höhere Bewertung']).
 
