@@ -14,7 +14,7 @@
 
 /** <module> The Prolog shell of a scene
 
-Started by `deixis shell`: the arguments are a file with lists of base facts, which is deleted once it is
+Started by `deixis shell`: the arguments are two files with lists of base facts, which are deleted once they are
 read, the rule files, and the predicates to table. Afterwards this is SWI-Prolog as it always is, with a few
 commands more:
 
@@ -40,22 +40,29 @@ A name that nothing has is answered with what may have been meant.
 
 start :-
     current_prolog_flag(argv, Argv),
-    append(_, [--, FactsFile|Rest], [--|Argv]),
+    append(_, [--, OfPairs, OfViews|Rest], [--|Argv]),
     !,
     partition([Argument]>>sub_atom(Argument, 0, _, _, 'table:'), Rest, Tables, RuleFiles),
     load_files(user:RuleFiles, [if(not_loaded), must_be_module(false)]),
     forall(member(Table, Tables), keep_answers(Table)),
-    setup_call_cleanup(
-        open(FactsFile, read, Stream, [encoding(utf8)]),
-        load_facts(Stream),
-        ( close(Stream), delete_file(FactsFile) )),
+    % No predicate is in both: so each has its facts in their order.
+    thread_create(load_facts(OfViews), Other),
+    load_facts(OfPairs),
+    thread_join(Other),
     forall(facts:viewpoint(View), assertz(looking_from(View))),
     banner,
     thread_create(index_pairs, _, [detached(true)]).
 
-%   load_facts(+Stream): lists, one after the other; a single one of all facts would need much more memory.
+%   load_facts(+File): lists, one after the other; a single one of all facts would need much more memory. The file
+%   is deleted.
 
-load_facts(Stream) :-
+load_facts(File) :-
+    setup_call_cleanup(
+        open(File, read, Stream, [encoding(utf8)]),
+        load_lists(Stream),
+        ( close(Stream), delete_file(File) )).
+
+load_lists(Stream) :-
     repeat,
     read_term(Stream, Facts, []),
     (   Facts == end_of_file

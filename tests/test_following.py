@@ -25,6 +25,7 @@ from deixis.errors import QueryError, SceneError
 from deixis.knowledge import KnowledgeBase
 from deixis.living import kept, living
 from deixis.living.kept import Kept
+from deixis.prolog import PrologEngine
 from deixis.scene import Scene
 from deixis.updates import Changes, Update
 from memory import MOST
@@ -220,15 +221,14 @@ def test_what_is_kept_is_told_between_updates(monkeypatch: pytest.MonkeyPatch) -
 
 def test_prolog_is_told_of_what_changes_while_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     with KnowledgeBase.from_scene(HANS) as kb:
-        original = KnowledgeBase.facts_text
+        original = PrologEngine.load
 
-        def facts_text(self: KnowledgeBase, **options: Any) -> str:
-            text = original(self, **options)
+        def load(self: PrologEngine, facts: Any) -> int:
             monkeypatch.undo()
-            self.update(Update.from_dict(LIFTED, self.scene))
-            return text
+            kb.update(Update.from_dict(LIFTED, kb.scene))
+            return original(self, facts)
 
-        monkeypatch.setattr(KnowledgeBase, "facts_text", facts_text)
+        monkeypatch.setattr(PrologEngine, "load", load)
         # Whether this is answered before or after the update is open.
         kb.why("on_top_of(sweater, heater)")
         assert not kb.why("on_top_of(sweater, heater)")

@@ -162,10 +162,10 @@ class Inference:
 
     def _load(self, engine: PrologEngine) -> Facts:
         """Load the facts; return those of before: if the scene changes meanwhile, they are loaded again."""
-        from deixis.prolog.text import facts_lists
+        from deixis.prolog.text import facts_parts
 
         facts = self.facts
-        engine.load(list(facts_lists(facts, [(view.id, view.label) for view in self.scene.views])))
+        engine.load(facts_parts(facts, [(view.id, view.label) for view in self.scene.views]))
         return facts
 
     def relations(

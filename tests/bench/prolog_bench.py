@@ -19,7 +19,7 @@ from deixis.facts import Facts
 from deixis.grounding import ground
 from deixis.prolog import PrologEngine
 from deixis.prolog.shell import shell_command
-from deixis.prolog.text import facts_lists
+from deixis.prolog.text import facts_parts
 
 THINGS = 17_500
 """As many as have a million facts."""
@@ -42,7 +42,7 @@ class Measured(NamedTuple):
 def through_the_bridge(facts: Facts) -> tuple[int, float, float, float]:
     """Return how many facts there are, and seconds to write them, to load them, and for a bound question."""
     start = time.perf_counter()
-    text = list(facts_lists(facts))
+    text = facts_parts(facts)
     written = time.perf_counter()
     with PrologEngine(theory_files(), memory_bytes=8 << 30) as engine:
         engine.ask("true")

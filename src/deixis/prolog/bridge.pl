@@ -4,8 +4,8 @@ A request is the text of one term, written by quote.py and text.py. A reply is o
 `{"ok": ...}` or `{"error": Kind, "message": ..., ...}`; terms in it are typed as terms.py describes.
 
   | rules(Files, Tabled)         | true: the rule files are loaded                   |
-  | load(Facts)                  | replace all facts; how many there are             |
-  | load_file(File)              | the same, by a file with lists of them            |
+  | load(Lists)                  | replace all facts; how many there are             |
+  | load_files(Files)            | the same, by files with lists of them             |
   | ask(Text, Limit, Inferences) | rows of bindings, whether cut short, its output   |
   | relations([Name/Arity, ...]) | all answers of these predicates, sorted, distinct |
   | call(Operation, Arguments)   | what the operation of a rule file returns         |
@@ -55,9 +55,9 @@ lines_text(Lines, Text) :-
     with_output_to(string(Whole), print_message_lines(current_output, '', Lines)),
     split_string(Whole, "", " \n", [Text]).
 
-:- use_module(library(apply), [maplist/2]).
+:- use_module(library(apply), [maplist/2, maplist/3]).
 :- use_module(library(error), [must_be/2]).
-:- use_module(library(lists), [member/2]).
+:- use_module(library(lists), [member/2, sum_list/2]).
 :- use_module(json_text).
 :- use_module(questions).
 :- use_module(operations).
@@ -89,17 +89,17 @@ perform(rules(Files, Tabled), true) :-
         remember_base
     ;   throw(bridge(rules, "the rule files do not load without complaint", [complaints = Complaints]))
     ).
-perform(load(Facts), Count) :-
+perform(load(Lists), Count) :-
     forget_facts,
-    add_list(Facts, Count),
-    abolish_all_tables.
-perform(load_file(File), Count) :-
+    maplist(add_list, Lists, Counts),
+    abolish_all_tables,
+    sum_list(Counts, Count).
+perform(load_files(Files), Count) :-
     forget_facts,
-    setup_call_cleanup(
-        open(File, read, In, [encoding(utf8)]),
-        add_lists(In, Count),
-        close(In)),
-    abolish_all_tables.
+    maplist(reading, Files, Threads),
+    maplist(read_by, Threads, Counts),
+    abolish_all_tables,
+    sum_list(Counts, Count).
 perform(ask(Text, Limit, Inferences), Answers) :-
     ask(Text, Limit, Inferences, Answers).
 perform(relations(Indicators), Tables) :-
@@ -159,8 +159,30 @@ forget_facts :-
              retractall(facts:Head)
            )).
 
-%   add_lists(+Stream, -Count): list after list, so that no more than one of them needs memory. An error costs
-%   the engine, so that no half of the facts stays.
+%   reading(+File, -Thread), read_by(+Thread, -Count): files are read side by side. An error costs the engine, so
+%   that no half of the facts stays.
+
+reading(File, Thread) :-
+    thread_self(Self),
+    thread_create(read_file(File, Self), Thread).
+
+read_file(File, Asker) :-
+    setup_call_cleanup(
+        open(File, read, In, [encoding(utf8)]),
+        add_lists(In, Count),
+        close(In)),
+    thread_self(Self),
+    thread_send_message(Asker, read(Self, Count)).
+
+read_by(Thread, Count) :-
+    thread_join(Thread, Status),
+    (   Status == true
+    ->  thread_get_message(read(Thread, Count))
+    ;   Status = exception(Error)
+    ->  throw(Error)
+    ).
+
+%   add_lists(+Stream, -Count): list after list, so that no more than one of them needs memory.
 
 add_lists(In, Count) :-
     Added = added(0),

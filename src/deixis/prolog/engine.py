@@ -100,7 +100,7 @@ class PrologEngine:
                 raise RuleError(f"there is no rule file {file}")
         self._tabled = ",".join(f"{atom(name)}/{arity}" for name, arity in tabled)
         self._memory = memory_bytes
-        self._facts: tuple[str, ...] | None = None
+        self._facts: tuple[tuple[str, ...], ...] | None = None
         self._lock = threading.Lock()
         self._closed = False
         self._starting = False
@@ -113,14 +113,14 @@ class PrologEngine:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def load(self, facts: str | Sequence[str]) -> int:
-        """Replace all facts by those of a Prolog list, or of several, and return how many there are.
+    def load(self, facts: str | Sequence[Sequence[str]]) -> int:
+        """Replace all facts by those of a Prolog list, or of parts of several, and return how many there are.
 
         Parameters
         ----------
-        facts : str or sequence of str
-            What :func:`deixis.prolog.text.facts_text` returns, or :func:`~deixis.prolog.text.facts_lists`: of
-            many facts several lists are read faster, and take less memory.
+        facts : str or sequence of sequence of str
+            What :func:`deixis.prolog.text.facts_text` returns, or :func:`~deixis.prolog.text.facts_parts`: of
+            many facts parts are read faster, one beside the other, and lists take less memory.
 
         Raises
         ------
@@ -129,15 +129,15 @@ class PrologEngine:
         RuleError
             The rule files do not load.
         """
-        lists = (facts,) if isinstance(facts, str) else tuple(facts)
+        parts = ((facts,),) if isinstance(facts, str) else tuple(map(tuple, facts))
         with self._lock:
             child = self._ready()
             with ExitStack() as on_trouble:
                 # What a failed load leaves is unknown: the next child begins with the facts of before.
                 on_trouble.callback(self._drop)
-                count = int(self._load(child, lists))
+                count = int(self._load(child, parts))
                 on_trouble.pop_all()
-            self._facts = lists
+            self._facts = parts
         return count
 
     def ask(
@@ -299,15 +299,22 @@ class PrologEngine:
         except TimeoutError:
             raise EngineError(f"the rules did not load within {_START_WITHIN:g} s") from None
 
-    def _load(self, child: Child, lists: tuple[str, ...]) -> Any:
+    def _load(self, child: Child, parts: tuple[tuple[str, ...], ...]) -> Any:
+        lists = [one for part in parts for one in part]
         try:
-            if len(lists) == 1 and len(lists[0]) < _LARGE:
-                return result(self._exchange(child, f"load({lists[0]})", _LOAD_WITHIN))
+            if sum(map(len, lists)) < _LARGE:
+                return result(self._exchange(child, f"load([{','.join(lists)}])", _LOAD_WITHIN))
             # Prolog reads a file faster than a string, which is copied on its way.
-            with tempfile.NamedTemporaryFile("w", encoding="utf-8", prefix="deixis-") as file:
-                file.writelines(f"{one} .\n" for one in lists)
-                file.flush()
-                return result(self._exchange(child, f"load_file({atom(file.name)})", _LOAD_WITHIN))
+            with ExitStack() as files:
+                names = []
+                for part in parts:
+                    file = files.enter_context(
+                        tempfile.NamedTemporaryFile("w", encoding="utf-8", prefix="deixis-")
+                    )
+                    file.writelines(f"{one} .\n" for one in part)
+                    file.flush()
+                    names.append(atom(file.name))
+                return result(self._exchange(child, f"load_files([{','.join(names)}])", _LOAD_WITHIN))
         except TimeoutError:
             raise EngineError(f"the facts did not load within {_LOAD_WITHIN:g} s") from None
         except QueryError as error:

@@ -16,7 +16,7 @@ from deixis.errors import PrologNotFoundError, QueryError
 from deixis.facts import Facts
 from deixis.frames import WORLD
 from deixis.prolog.find import find_prolog
-from deixis.prolog.text import facts_lists
+from deixis.prolog.text import facts_parts
 
 Grounded = tuple[Facts, Sequence[tuple[str, str]]]
 """A grounded scene, with id and label of each of its views."""
@@ -31,7 +31,7 @@ def exec_shell(
     ----------
     rule_files : sequence of Path
     scenes : sequence of (Facts, views)
-        Their facts pass through a private file that the shell deletes.
+        Their facts pass through private files that the shell deletes.
     tabled : sequence of (str, int)
         Predicates whose answers are kept in tables, so that recursion ends.
 
@@ -51,7 +51,7 @@ def exec_shell(
 def shell_command(
     rule_files: Sequence[Path], scenes: Sequence[Grounded], tabled: Sequence[tuple[str, int]] = ()
 ) -> list[str]:
-    """Write the facts to a private file, and return the command that reads and deletes it.
+    """Write the facts to private files, and return the command that reads and deletes them.
 
     Parameters and errors are those of :func:`exec_shell`.
     """
@@ -61,17 +61,22 @@ def shell_command(
             "the shell needs the swipl program: unset LIBSWIPL_PATH, or put swipl on the PATH"
         )
     several = apart(scenes)
-    handle, name = tempfile.mkstemp(prefix="deixis-", suffix=".facts")
-    with os.fdopen(handle, "w", encoding="utf-8") as file:
-        for number, (facts, views) in enumerate(several):
-            # The thresholds are the same for all.
-            file.writelines(f"{one}.\n" for one in facts_lists(facts, views, thresholds=number == 0))
-    arguments = ["-q", "-f", "none", "-g", "shell:start", str(rules_dir() / "shell.pl")]
+    names = []
+    # The thresholds are the same for all.
     told = [
+        facts_parts(facts, views, thresholds=number == 0) for number, (facts, views) in enumerate(several)
+    ]
+    for part in zip(*told, strict=True):
+        handle, name = tempfile.mkstemp(prefix="deixis-", suffix=".facts")
+        names.append(name)
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.writelines(f"{one}.\n" for lists in part for one in lists)
+    arguments = ["-q", "-f", "none", "-g", "shell:start", str(rules_dir() / "shell.pl")]
+    more = [
         *(str(file.resolve()) for file in rule_files),
         *(f"table:{arity}:{predicate}" for predicate, arity in tabled),
     ]
-    return [str(swipl), *arguments, "--", name, *told]
+    return [str(swipl), *arguments, "--", *names, *more]
 
 
 def apart(scenes: Sequence[Grounded]) -> list[Grounded]:

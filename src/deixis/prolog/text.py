@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, islice
 from typing import Final
 
 import numpy as np
 
 from deixis.errors import GeometryError
-from deixis.facts import Facts, ViewFacts
+from deixis.facts import Facts
 from deixis.frames import WORLD, Array, Index
 from deixis.prolog.quote import atom, id_atom, number
 from deixis.thresholds import SNAP_DECIMALS
@@ -58,16 +58,20 @@ def facts_text(facts: Facts, views: Sequence[tuple[str, str]] = (), *, readable:
     >>> print(facts_text(facts, [("v0", "robot")], readable=True).splitlines()[-1])
     view_label('v0','robot').
     """
-    chunks = _facts(facts, views, readable=readable)
+    table = _Table(facts, list(map(atom if readable else id_atom, facts.ids)), readable)
+    chunks = chain(_of_things(table, views), _of_pairs(table), _of_views(table))
     if readable:
         return "".join(f"{one}.\n" for one in sorted(chunks, key=lambda one: one.partition("(")[0]))
     return f"[{','.join(chunks)}]"
 
 
-def facts_lists(
+def facts_parts(
     facts: Facts, views: Sequence[tuple[str, str]] = (), *, thresholds: bool = True
-) -> Iterator[str]:
-    """Yield all base facts of a scene as Prolog lists of at most 10,000: so reading them takes little memory.
+) -> tuple[list[str], list[str]]:
+    """Return all base facts of a scene as Prolog lists of at most 10,000, in two parts.
+
+    Lists of this length take little memory to read. No predicate is in both parts, so that one may be read
+    beside the other and all facts of a predicate still come in their order.
 
     Parameters
     ----------
@@ -76,16 +80,19 @@ def facts_lists(
     thresholds : bool
         Whether the thresholds are among them.
     """
-    chunks = _facts(facts, views, thresholds=thresholds)
+    table = _Table(facts, list(map(id_atom, facts.ids)), False)
+    things = _of_things(table, views, thresholds=thresholds)
+    return list(_lists(chain(things, _of_pairs(table)))), list(_lists(_of_views(table)))
+
+
+def _lists(chunks: Iterator[str]) -> Iterator[str]:
     while part := list(islice(chunks, _LIST)):
         yield f"[{','.join(part)}]"
 
 
-def _facts(
-    facts: Facts, views: Sequence[tuple[str, str]], *, readable: bool = False, thresholds: bool = True
-) -> Iterator[str]:
-    """Yield each base fact, without its full stop."""
-    table = _Table(facts, list(map(atom if readable else id_atom, facts.ids)), readable)
+def _of_things(table: _Table, views: Sequence[tuple[str, str]], *, thresholds: bool = True) -> Iterator[str]:
+    """Yield each fact of one thing, of a view or of the scene, without its full stop."""
+    facts = table.facts
     volumes = np.round(facts.volume, SNAP_DECIMALS).tolist()
     for name, is_surface, ranked in zip(table.ids, facts.surface.tolist(), facts.labels, strict=True):
         yield f"spatial_obj({name})"
@@ -98,9 +105,27 @@ def _facts(
     yield from (f"view_label({atom(view)},{atom(label)})" for view, label in views)
     if thresholds:
         yield from (f"threshold({atom(name)},{number(value)})" for name, value in facts.thresholds.items())
-    yield from table.pairs()
-    for seen in facts.views:
-        yield from table.aspects(seen)
+    for view in facts.views:
+        for reference, reason in view.withheld:
+            yield f"withheld({table.ids[reference]},{atom(view.view)},{atom(reason)})"
+
+
+def _of_pairs(table: _Table) -> Iterator[str]:
+    """Yield figure_reference/2 and pair/9."""
+    facts, every = table.facts, np.arange(len(table.facts))
+    measured = (facts.distance, facts.separation, facts.protrusion, facts.intersection, facts.frontier)
+    yield from table.rows("figure_reference(", "", np.flatnonzero(facts.ordered), ())
+    yield from table.rows("pair(", "", every, (*measured, *facts.vertical.T))
+
+
+def _of_views(table: _Table) -> Iterator[str]:
+    """Yield strict/5 and aspect/7."""
+    facts, every = table.facts, np.arange(len(table.facts))
+    yield from table.strict(atom(WORLD), every, _VERTICAL_AXES, facts.vertical, facts.vertical_strict)
+    for view in facts.views:
+        name = atom(view.view)
+        yield from table.rows(f"aspect({name},", "", view.rows, tuple(view.int_hs.T))
+        yield from table.strict(name, view.rows, _HORIZONTAL_AXES, view.int_hs, view.cont_hs)
 
 
 @dataclass(frozen=True)
@@ -111,30 +136,14 @@ class _Table:
     ids: list[str]
     readable: bool
 
-    def pairs(self) -> Iterator[str]:
-        """Yield figure_reference/2, pair/9 and strict/5 of the vertical axes."""
-        facts, every = self.facts, np.arange(len(self.facts))
-        measured = (facts.distance, facts.separation, facts.protrusion, facts.intersection, facts.frontier)
-        yield from self._rows("figure_reference(", "", np.flatnonzero(facts.ordered), ())
-        yield from self._rows("pair(", "", every, (*measured, *facts.vertical.T))
-        yield from self._strict(atom(WORLD), every, _VERTICAL_AXES, facts.vertical, facts.vertical_strict)
-
-    def aspects(self, view: ViewFacts) -> Iterator[str]:
-        """Yield aspect/7, strict/5 of the horizontal axes and withheld/3 of one view."""
-        name = atom(view.view)
-        yield from self._rows(f"aspect({name},", "", view.rows, tuple(view.int_hs.T))
-        yield from self._strict(name, view.rows, _HORIZONTAL_AXES, view.int_hs, view.cont_hs)
-        for reference, reason in view.withheld:
-            yield f"withheld({self.ids[reference]},{name},{atom(reason)})"
-
-    def _strict(
+    def strict(
         self, view: str, rows: Index, axes: Sequence[str], relaxed: Array, margins: Array
     ) -> Iterator[str]:
         """Yield strict/5, the margin of "completely in", where the figure meets the halfspace at all."""
         for axis, meets, margin in zip(axes, relaxed.T >= 0.0, margins.T, strict=True):
-            yield from self._rows("strict(", f",{atom(axis)},{view}", rows[meets], (margin[meets],))
+            yield from self.rows("strict(", f",{atom(axis)},{view}", rows[meets], (margin[meets],))
 
-    def _rows(self, before: str, after: str, rows: Index, columns: Sequence[Array]) -> Iterator[str]:
+    def rows(self, before: str, after: str, rows: Index, columns: Sequence[Array]) -> Iterator[str]:
         """Return one fact for each row: before, figure, reference, after, numbers."""
         figures, references = self.facts.figure[rows], self.facts.reference[rows]
         slots, cells = "", []
