@@ -175,10 +175,11 @@ def change(
     elif found is None:
         print("No move within three metres was found that changes it.")
     else:
-        x, y, z = found.offset
+        # To the micrometre, as what-if --move takes it; no power of ten is written.
+        offset = ",".join(f"{round(metres, 6) + 0.0:.6f}".rstrip("0").rstrip(".") for metres in found.offset)
         becomes = "holds" if found.holds else "no longer holds"
         print(
-            f"Move {printable(found.thing)} by {x:.6f},{y:.6f},{z:.6f} m ({100 * found.distance:.1f} cm): "
+            f"Move {printable(found.thing)} by {offset} m ({100 * found.distance:.1f} cm): "
             f"then {printable(goal)} {becomes}."
         )
         if found.collides:
