@@ -262,9 +262,42 @@ def test_answers_as_json(hans: Path) -> None:
         "truncated": False,
         "timed_out": False,
         "output": "",
+        "notes": [],
     }
     none = call("ask", hans, "on_top_of(sweater, floor)", "--format", "json")
     assert (none.code, json.loads(none.out)["answers"]) == (NO, [])
+
+
+@pytest.mark.parametrize(
+    ("goal", "code", "out", "names"),
+    [
+        ("on_top_of(X, heeter)", NO, "false\n", [("heeter", "heater")]),
+        ("touches(sweter, floor)", NO, "false\n", [("sweter", "sweater")]),
+        ("left_of(X, radiatr, v1)", NO, "false\n", [("radiatr", "radiator")]),
+        (
+            "near(X, heeter) ; touches(flor, X), \\+ near(X, heeter)",
+            NO,
+            "false\n",
+            [("heeter", "heater"), ("flor", "floor")],
+        ),
+        ("maplist(near(heeter), [X])", NO, "false\n", [("heeter", "heater")]),
+        (
+            "once(on_top_of(X, floor)), \\+ near(X, heeter)",
+            YES,
+            "X = extinguisher2\n",
+            [("heeter", "heater")],
+        ),
+        ("label(X, cupboard, S)", NO, "false\n", []),
+        ("view_label(V, me)", NO, "false\n", []),
+        ("X = heeter, near(X, Y)", NO, "false\n", []),
+    ],
+)
+def test_a_name_that_nothing_has_is_told_beside_the_answer(
+    hans: Path, goal: str, code: int, out: str, names: list[tuple[str, str]]
+) -> None:
+    notes = [f"nothing is called {name!r} in scene 'hans': did you mean {meant!r}?" for name, meant in names]
+    assert call("ask", hans, goal) == Result(code, out, "".join(f"deixis: {note}\n" for note in notes))
+    assert json.loads(call("ask", hans, goal, "--format", "json").out)["notes"] == notes
 
 
 def test_a_cut_off_answer_says_so(hans: Path) -> None:

@@ -88,6 +88,20 @@ def test_goals_are_answered_as_by_prolog(server: Server, kb: KnowledgeBase) -> N
     assert ask(server, "on_top_of(X, Y)", limit=1).json["truncated"] is True
 
 
+def test_a_name_that_nothing_has_is_told_beside_the_answer(server: Server) -> None:
+    for goal, names in (
+        ("on_top_of(X, heeter)", ["heeter"]),
+        ("on_top_of(X, heater), \\+ (touches(X, flor), near(X, flor))", ["flor"]),
+        ("on_top_of(X, heater), label(X, jumper, _)", []),
+    ):
+        reply = ask(server, goal)
+        assert (reply.status, len(reply.json["notes"])) == (200, len(names))
+        assert all(
+            f"nothing is called '{one}'" in note for one, note in zip(names, reply.json["notes"], strict=True)
+        )
+    assert ask(server, "on_top_of(X, heeter)").json["holds"] is False
+
+
 @pytest.mark.parametrize(
     "goal",
     [

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from deixis.errors import QueryError
-from deixis.hints import hint
 from deixis.inference import Inference
 from deixis.vocabulary import RELATIONS
 from deixis.wording import ENGLISH, Words
@@ -154,9 +153,7 @@ class Explaining(Inference):
 
         reply: Any = self.engine.call(operation, question_text(goal), *more, timeout=timeout)
         if "unknown" in reply:
-            known = [*self.facts.ids, *(view.id for view in self.scene.views)]
-            name = reply["unknown"]
-            raise QueryError(f"nothing is called {name!r} in scene {self.scene.id!r}{hint(name, known)}")
+            raise QueryError(self.unknown_name(reply["unknown"]))
         return dict(reply)
 
     def proofs(

@@ -241,6 +241,8 @@ class Inference:
     def ask(self, goal: str, *, limit: int | None = None, timeout: float = 10.0) -> Answers:
         """Return the answers to a Prolog goal such as ``on_top_of(X, table)``.
 
+        A relation of what is not there does not hold; ``unknown`` of the answers has the names of such.
+
         Raises
         ------
         QueryError
@@ -249,6 +251,11 @@ class Inference:
             It took longer than ``timeout`` seconds.
         """
         return self.engine.ask(goal, limit=limit, timeout=timeout)
+
+    def unknown_name(self, name: str) -> str:
+        """Return that nothing in the scene has a name, and what may have been meant."""
+        known = [*self.facts.ids, *(view.id for view in self.scene.views)]
+        return f"nothing is called {name!r} in scene {self.scene.id!r}{hint(name, known)}"
 
     def check_view(self, view: str) -> None:
         """Raise :class:`QueryError` unless the scene has this view."""

@@ -229,24 +229,26 @@ def ask(
 
     Exit codes: 0 there is an answer, 1 there is none, 2 the question is wrong, 3 it took too long. Answers
     cut short by --limit say so: on stderr, and as "truncated" in JSON, where "timed_out" tells of a time-out.
+    A name that nothing has is told on stderr, and in "notes": a relation of it does not hold.
     """
     from deixis.errors import QueryTimeout
     from deixis.prolog import Answers, Variable, term_json, term_text
 
-    def as_json(answers: Answers, *, timed_out: bool = False) -> None:
+    def as_json(answers: Answers, notes: list[str], *, timed_out: bool = False) -> None:
         rows = [{name: term_json(value) for name, value in row.items()} for row in answers.bindings]
         told = {"truncated": answers.truncated, "timed_out": timed_out, "output": answers.output}
-        write_json({"goal": goal, "answers": rows, **told})
+        write_json({"goal": goal, "answers": rows, **told, "notes": notes})
 
     with open_scene(scene, region, rules) as kb:
         try:
             answers = kb.ask(goal, limit=limit, timeout=timeout)
         except QueryTimeout:
             if output is TextOrJson.JSON:
-                as_json(Answers((), truncated=True), timed_out=True)
+                as_json(Answers((), truncated=True), [], timed_out=True)
             raise
+        notes = [kb.unknown_name(name) for name in answers.unknown]
     if output is TextOrJson.JSON:
-        as_json(answers)
+        as_json(answers, notes)
     else:
         if answers.output:
             print(printable_lines(answers.output.removesuffix("\n")))
@@ -255,6 +257,7 @@ def ask(
             print(", ".join(f"{name} = {term_text(value)}" for name, value in known.items()) or "true")
         if not answers.bindings:
             print("false")
+    warn(notes)
     if answers.truncated:
         warn([f"there are more answers than the {limit} printed"])
     if not answers.bindings:

@@ -46,11 +46,15 @@ class Answers:
         Whether there are more answers than the limit let through.
     output : str
         What the question printed.
+    unknown : tuple of str
+        Names in the question that a relation is asked of, and that no thing and no view has: to Prolog
+        such a relation is false, and no error.
     """
 
     bindings: tuple[Mapping[str, Term], ...]
     truncated: bool = False
     output: str = ""
+    unknown: tuple[str, ...] = ()
 
     def __bool__(self) -> bool:
         """Return whether the question holds."""
@@ -84,7 +88,7 @@ class PrologEngine:
     --------
     >>> with PrologEngine([]) as engine:
     ...     engine.ask("member(X, [cup, mug])", limit=1)
-    Answers(bindings=({'X': Atom('cup')},), truncated=True, output='')
+    Answers(bindings=({'X': Atom('cup')},), truncated=True, output='', unknown=())
     """
 
     def __init__(
@@ -183,6 +187,7 @@ class PrologEngine:
             tuple(dict(zip(names, map(decode, row), strict=True)) for row in reply["rows"]),
             reply["truncated"],
             reply["output"],
+            tuple(reply["strangers"]),
         )
 
     def relations(

@@ -124,15 +124,10 @@ one_relation(Goal) :-
     ;   throw(bridge(query, "ask for the reasons of one relation, such as on_top_of(cup, table)", []))
     ).
 
-%   stranger(+Goal, -Text): an argument of a spoken or base relation that is no thing and no view here.
+%   stranger(+Goal, -Text): the first name in it that is no thing and no view here.
 
 stranger(Goal, Text) :-
-    functor(Goal, Functor, Arity),
-    once(( axioms:relation(Functor/Arity) ; axioms:base(Functor/Arity) )),
-    arg(_, Goal, Name),
-    atom(Name),
-    \+ facts:spatial_obj(Name),
-    \+ facts:viewpoint(Name),
+    questions:stranger(Goal, Name),
     !,
     atom_string(Name, Text).
 

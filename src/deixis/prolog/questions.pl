@@ -6,12 +6,13 @@ Questions are read and called in module `question`, into which the rule files ar
 :- module(questions,
           [ read_one/4,
             question/3,
+            stranger/2,
             ask/4,
             relations/2,
             remember_vocabulary/0
           ]).
 :- use_module(library(apply), [maplist/2]).
-:- use_module(library(lists), [append/3]).
+:- use_module(library(lists), [append/3, list_to_set/2, member/2]).
 :- use_module(library(wfs), [call_delays/2]).
 :- autoload(library(sandbox), [safe_goal/1]).   % 35 ms: loaded by the first question
 
@@ -105,14 +106,43 @@ permitted(Goal) :-
     refuse(Name/Arity).
 
 permitted_call(Goal+Extra) :-
-    (   Extra > 0,
-        callable(Goal)
-    ->  length(More, Extra),
-        Goal =.. Given,
-        append(Given, More, All),
-        Called =.. All,
-        permitted(Called)
+    (   with_arguments(Goal, Extra, Called)
+    ->  permitted(Called)
     ;   permitted(Goal)
+    ).
+
+with_arguments(Goal, Extra, Called) :-
+    Extra > 0,
+    callable(Goal),
+    length(More, Extra),
+    Goal =.. Given,
+    append(Given, More, All),
+    Called =.. All.
+
+%!  stranger(+Goal, -Name) is nondet.
+%
+%   Name is an argument of a spoken or base relation that Goal calls, and no thing and no view here.
+
+stranger(Goal, Name) :-
+    current_predicate(axioms:relation/1),
+    called(Goal+0, Called),
+    functor(Called, Functor, Arity),
+    once(( axioms:relation(Functor/Arity) ; axioms:base(Functor/Arity) )),
+    arg(_, Called, Name),
+    atom(Name),
+    \+ facts:spatial_obj(Name),
+    \+ facts:viewpoint(Name).
+
+called(Goal+Extra, Called) :-
+    with_arguments(Goal, Extra, Whole),
+    !,
+    called(Whole+0, Called).
+called(Goal+_, Called) :-
+    callable(Goal),
+    (   calls(Goal, Inner)
+    ->  member(One, Inner),
+        called(One, Called)
+    ;   Called = Goal
     ).
 
 refuse(Name/Arity) :-
@@ -222,15 +252,22 @@ harmless(_) :-
 %!  ask(+Text, +Limit, +Inferences, -Reply) is det.
 %
 %   The distinct answers in the order of their proofs, at most Limit of them, within Inferences steps.
-%   Limit and Inferences are `none` or integers.
+%   Limit and Inferences are `none` or integers. With them the names that nothing here has.
 
 ask(Text, Limit, Inferences, Reply) :-
     question(Text, Goal, Bindings),
+    strangers(Goal, Strangers),
     named(Bindings, Names, Values),
     with_output_to(
         string(Output),
         within(Inferences, answers(Goal, Names, Values, Limit, Rows, Truncated))),
-    Reply = json([names = Names, rows = Rows, truncated = Truncated, output = Output]).
+    Reply = json([ names = Names, rows = Rows, truncated = Truncated, output = Output,
+                   strangers = Strangers
+                 ]).
+
+strangers(Goal, Texts) :-
+    findall(Text, ( stranger(Goal, Name), atom_string(Name, Text) ), Texts0),
+    list_to_set(Texts0, Texts).
 
 %   Variables whose name begins with _ are not asked for, as at the Prolog prompt.
 

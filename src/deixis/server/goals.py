@@ -14,7 +14,8 @@ from deixis.engines import AutoExecutor
 from deixis.errors import QueryError
 from deixis.knowledge import KnowledgeBase
 from deixis.ruleset import Problem, Rule, RuleFile, assemble, read_text
-from deixis.ruleset.model import Atom, Negation, variables
+from deixis.ruleset.model import Atom, Constant, Negation, atoms, variables
+from deixis.vocabulary import BASE, RELATIONS
 
 LONGEST: Final = 4096
 """Characters of a goal."""
@@ -60,7 +61,19 @@ def answers(kb: KnowledgeBase, goal: str, limit: int, timeout: float) -> dict[st
         "holds": bool(rows),
         "bindings": [dict(zip(names, row, strict=False)) for row in rows[:limit]] if names else [],
         "truncated": len(rows) > limit,
+        "notes": [kb.unknown_name(name) for name in _strangers(kb, file.rules[0])],
     }
+
+
+def _strangers(kb: KnowledgeBase, asked: Rule) -> list[str]:
+    """Return the names that a relation is asked of and that no thing and no view has, each once."""
+    relations = {(term.name, term.arity) for term in (*BASE, *RELATIONS)}
+    named = (value for atom, _ in atoms(asked.body) if atom.predicate in relations for value in atom.args)
+    told = dict.fromkeys(str(value.value) for value in named if isinstance(value, Constant))
+    if not told:
+        return []
+    known = {*kb.facts.ids, *(view.id for view in kb.scene.views)}
+    return [name for name in told if name not in known]
 
 
 def _question(goal: str) -> tuple[RuleFile, list[str]]:

@@ -118,6 +118,7 @@ class Bindings(BaseModel):
     holds: bool
     bindings: list[dict[str, str | float]]
     truncated: bool = Field(description="Whether there are more than were asked for.")
+    notes: list[str] = Field(description="Names in the goal that nothing has: no relation holds of them.")
 
 
 class StepTold(BaseModel):
