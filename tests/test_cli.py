@@ -692,6 +692,29 @@ def test_a_cold_start_loads_nothing_heavy(hans: Path) -> None:
     assert (done.returncode, done.stderr) == (YES, "")
 
 
+def test_a_variable_that_is_a_name_but_for_its_capital_is_told(hans: Path) -> None:
+    said = "deixis: {} is a variable, which stands for anything: did you mean {!r}?\n"
+    on, near = "on_top_of(Sweater, heater)", "near(X, Wall)"
+    told = call("why", hans, on)
+    assert (told.code, told.err) == (YES, said.format("Sweater", "sweater"))
+    assert call("why-not", hans, on + ".").err == said.format("Sweater", "sweater")
+    assert call("why", hans, "left_of(X, Radiator, V0)").err == said.format(
+        "Radiator", "radiator"
+    ) + said.format("V0", "v0")
+    both = said.format("Sweater", "sweater") + said.format("Wall", "wall")
+    assert call("contrast", hans, on, "--rather-than", near).err == both
+    change = call("change", hans, on)
+    assert change.code == ERROR
+    assert change.err.startswith(said.format("Sweater", "sweater"))
+    for goal in (
+        "on_top_of(Thing, heater)",
+        "on_top_of(sweater, 'Heater')",
+        "on_top_of(_, heater)",
+        "near(X,",
+    ):
+        assert "is a variable" not in call("why", hans, goal).err
+
+
 # What would be if things stood elsewhere
 
 

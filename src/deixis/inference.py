@@ -257,6 +257,24 @@ class Inference:
         known = [*self.facts.ids, *(view.id for view in self.scene.views)]
         return f"nothing is called {name!r} in scene {self.scene.id!r}{hint(name, known)}"
 
+    def variables_like_names(self, *goals: str) -> list[str]:
+        """Return a note on each variable of some relations that is an id of the scene but for its capitals.
+
+        A goal that cannot be read has none: whoever asks it is told what is wrong.
+        """
+        from deixis.ruleset import read_text
+        from deixis.ruleset.model import variables
+
+        known = [*(one.id for one in self.scene.objects), *(one.id for one in self.scene.views)]
+        meant = {one.lower(): one for one in known}
+        read = [read_text(f"{goal.strip().removesuffix('.')} .", Path("goal"))[0] for goal in goals]
+        named = [one.name for file in read for rule in file.rules for one in variables(rule.head)]
+        return [
+            f"{name} is a variable, which stands for anything: did you mean {meant[name.lower()]!r}?"
+            for name in dict.fromkeys(named)
+            if name.lower() in meant
+        ]
+
     def check_view(self, view: str) -> None:
         """Raise :class:`QueryError` unless the scene has this view."""
         known = [one.id for one in self.scene.views]

@@ -52,6 +52,7 @@ def why(
 ) -> None:
     """Explain why a relation holds, down to the measured numbers; exit code 1 when it does not hold."""
     with open_scene(scene, region, rules, lang) as kb:
+        warn(kb.variables_like_names(goal))
         found = kb.why_all(goal, limit=limit, timeout=timeout) if every else None
         told: Answer | Proofs
         if found:
@@ -85,6 +86,7 @@ def why_not(
     Exit codes: 0 it does not hold, 1 it does, 2 the question is wrong.
     """
     with open_scene(scene, region, rules, lang) as kb:
+        warn(kb.variables_like_names(goal))
         found = kb.why_not(goal, timeout=timeout)
         if output is not ExplanationFormat.TEXT:
             found = kb.evidence(found)
@@ -110,6 +112,7 @@ def contrast(
     Exit codes: 0 the one holds and the other does not, 1 otherwise, 2 the question is wrong.
     """
     with open_scene(scene, region, rules, lang) as kb:
+        warn(kb.variables_like_names(goal, rather_than))
         found = kb.contrast(goal, rather_than, timeout=timeout)
     if output is TextOrJson.JSON:
         write_json({"goal": goal, "rather_than": rather_than, **found.to_dict()})
@@ -169,6 +172,7 @@ def change(
     the question is wrong.
     """
     with open_scene(scene, Region.BOX, rules) as kb:
+        warn(kb.variables_like_names(goal))
         found = kb.change(goal)
     if output is TextOrJson.JSON:
         write_json({"goal": goal, "change": None if found is None else found.to_dict()})
