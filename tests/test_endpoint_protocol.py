@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from rdflib import RDF, Dataset, Graph, Namespace, URIRef
@@ -13,6 +15,10 @@ from rdflib.compare import isomorphic
 from rdflib.plugins.stores.sparqlstore import SPARQLStore
 from SPARQLWrapper import JSON, SPARQLWrapper
 
+from deixis.knowledge import KnowledgeBase
+from deixis.rdf.export import nquads
+from deixis.server.screening import screen
+from deixis.server.terms import unknown_terms
 from endpoint import HANS, Server, serving
 from w3c_protocol import SUITE, Case, GraphStep, cases, graph_cases, graph_path
 
@@ -324,3 +330,43 @@ def test_curl_works_unmodified(server: Server) -> None:
         done = subprocess.run([*command, *more], capture_output=True, check=True)
         assert done.stdout.splitlines()[0] == b"a"
         assert len(done.stdout.splitlines()) == 4
+
+
+@pytest.mark.parametrize(
+    ("query", "note"),
+    [
+        (
+            "PREFIX d: <urn:deixis:term:> ASK { ?a d:left_of ?b }",
+            "unknown term left_of: did you mean leftOf?",
+        ),
+        (
+            "PREFIX : <urn:deixis:term:> ASK { ?a :ontopof ?b. }",
+            "unknown term ontopof: did you mean onTopOf?",
+        ),
+        ("ASK { ?a <urn:deixis:term:east_r> ?b }", "unknown term east_r: did you mean eastRelaxed?"),
+        (
+            "PREFIX d: <urn:deixis:term:> ASK { ?a d:nere ?b; d:touches ?c; d:xyzzy%20\u00e9 ?d; d:nere ?e }",
+            "unknown term nere: did you mean near?; unknown term xyzzy%2520%C3%A9",
+        ),
+        (ON_TOP, None),
+        ("PREFIX d: <urn:deixis:term:> SELECT * { ?a d:distance3D ?b; d:violation.2 ?c; d: ?d }", None),
+        ("PREFIX d: <urn:x:> SELECT * { ?a d:left_of ?b, 'urn:deixis:term:left_of' }", None),
+    ],
+)
+def test_a_term_that_there_is_not_is_told_beside_the_answer(
+    server: Server, query: str, note: str | None
+) -> None:
+    for _ in range(2):  # the second time the query is known already
+        reply = server.query(query)
+        assert (reply.status, reply.headers.get("deixis-note")) == (200, note)
+
+
+def test_no_note_on_what_an_export_or_an_example_says(root: Path) -> None:
+    with KnowledgeBase.from_scene(HANS) as kb:
+        stated = sorted(set(re.findall(r"<urn:deixis:term:\S+>", nquads(kb).decode())))
+    asked = [" ".join(stated)]
+    told = json.loads((root / "src/deixis/server/page/examples.json").read_text())
+    prefixes = "".join(f"PREFIX {name}: <{iri}> " for name, iri in told["prefixes"].items())
+    asked += [prefixes + one["query"] for one in told["examples"]]
+    assert len(stated) > 40
+    assert [note for one in asked for note in unknown_terms(screen(one, 1 << 20, 99))] == []

@@ -111,7 +111,7 @@ def create_app(settings: Settings, scenes: Mapping[str, bytes], past: Mapping[st
             allow_origins=list(settings.origins),
             allow_methods=["GET", "HEAD", "POST", "PUT", "DELETE"],
             allow_headers=["Authorization", "Content-Type", "Last-Event-ID"],
-            expose_headers=["Deixis-Truncated", "Location", "Retry-After"],
+            expose_headers=["Deixis-Note", "Deixis-Truncated", "Location", "Retry-After"],
         )
     app.add_middleware(Guards)
     return app

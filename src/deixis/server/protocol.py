@@ -19,6 +19,7 @@ from deixis.server.problems import Problem
 from deixis.server.rewriting import absolute, limited, using
 from deixis.server.screening import Screened, screen
 from deixis.server.settings import Settings
+from deixis.server.terms import unknown_terms
 
 _QUERY: Final = "application/sparql-query"
 _UPDATE: Final = "application/sparql-update"
@@ -78,7 +79,7 @@ class Protocol:
         return await (self._update if media == _UPDATE else self._query)(request, text, url)
 
     async def _query(self, request: Request, text: str, fields: incoming.Fields) -> Response:
-        screened, cut, more = (self._kept if len(text) <= _SHORT else self._prepare)(text)
+        screened, cut, more, notes = (self._kept if len(text) <= _SHORT else self._prepare)(text)
         accept = request.headers.get("accept", "")
         graph = screened.form in _GRAPH_FORMS
         media = wanted(accept, _GRAPHS if graph else _TABLES)
@@ -105,7 +106,7 @@ class Protocol:
         told, body = await current.ask(
             {"do": "query", "with": options}, cut.encode(), gone=gone, timeout=_seconds(fields)
         )
-        return answered(told, body, media)
+        return answered(told, body, media, notes)
 
     def _most(self, request: Request) -> int:
         """Return how long a body may be: only an update is longer than a query."""
@@ -116,11 +117,12 @@ class Protocol:
             return min(limits.body, _ENCODED * limits.text)
         return limits.body
 
-    def _prepare(self, text: str) -> tuple[Screened, str, str | None]:
+    def _prepare(self, text: str) -> tuple[Screened, str, str | None, list[str]]:
         limits = self._settings.limits
         query = screen(text, limits.text, limits.depth)
         more = limited(query, limits.rows + 1)
-        return query, text if more is None else limited(query, limits.rows) or text, more
+        cut = text if more is None else limited(query, limits.rows) or text
+        return query, cut, more, unknown_terms(query)
 
     async def _update(self, request: Request, text: str, fields: incoming.Fields) -> Response:
         incoming.must_be_writable(request, self._settings)
@@ -140,9 +142,14 @@ class Protocol:
         return Response(told, headers={"Content-Type": content_type(media), **NOT_KEPT})
 
 
-def answered(told: dict[str, Any], body: bytes, media: str) -> Response:
-    """Return an answer as a response: status 206 and a header say that a limit cut it, as the body does."""
+def answered(told: dict[str, Any], body: bytes, media: str, notes: Sequence[str] = ()) -> Response:
+    """Return an answer as a response: status 206 and a header say that a limit cut it, as the body does.
+
+    Notes on the question are a header, for the answer is what it would be without.
+    """
     headers = {"Content-Type": content_type(media), **NOT_KEPT}
+    if notes:
+        headers["Deixis-Note"] = "; ".join(notes)
     if "truncated" not in told:
         return Response(body, headers=headers)
     return Response(body, 206, {**headers, "Deixis-Truncated": f"rows={told['truncated']}"})
