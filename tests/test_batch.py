@@ -101,7 +101,7 @@ def test_rules_region_and_view_are_those_of_one_scene(root: Path) -> None:
     asked = {"relation": ("below", "part_in", "inside")}
     relations, _ = Relate(relations=asked["relation"], region="mesh")(of([study.to_dict()]))
     assert rows(relations) == one_by_one([("0", study)], region="mesh", **asked)
-    relations, _ = Relate(relations=("supports",), rules=("support",))(of([kitchen.to_dict()]))
+    relations, _ = Relate(relations="supports", rules=("support",))(of([kitchen.to_dict()]))
     assert rows(relations) == one_by_one([("0", kitchen)], rules=("support",), relation=("supports",))
     relations, errors = Relate(view="v1")(of([hans.to_dict(), *rooms(1, 8)]))
     assert rows(relations) == one_by_one([("0", hans)], view="v1")

@@ -246,7 +246,7 @@ def test_a_frame_of_the_stamp_that_was_derived_last(again: bool, tmp_path: Path)
     with kept:
         kept.add(scene(FALLEN, views=[]), stamp=2.0)
         assert set(kept.intervals()) == brute(kept)
-        assert [one.reference for one in kept.intervals(["on_top_of"], figure="cup")] == ["floor"]
+        assert [one.reference for one in kept.intervals("on_top_of", figure="cup")] == ["floor"]
 
 
 def test_since_when(address: Address) -> None:  # noqa: F811 - a fixture
@@ -277,7 +277,7 @@ def test_what_changed_between(address: Address) -> None:  # noqa: F811 - a fixtu
         return [(one.figure, one.reference) for one in some]
 
     with kitchen(address()) as kept:
-        found = kept.changes(130.0, 300.0, relation=["on_top_of"])
+        found = kept.changes(130.0, 300.0, relation="on_top_of")
         assert named(found.gained) == [("pot", "table")]
         assert [(one.figure, one.since, one.until) for one in found.lost] == [("cup", 100.0, 160.0)]
         # Put back and taken away: it was there at the start, and what came back is no news of its own.

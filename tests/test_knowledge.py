@@ -202,6 +202,15 @@ def test_a_bad_question_is_refused_and_does_no_harm(goal: str, words: str, kb: K
     assert kb.ask("on_top_of(sweater, heater)")
 
 
+def test_one_relation_may_be_given_as_it_is(kb: KnowledgeBase) -> None:
+    assert kb.relations(relation="on_top_of") == kb.relations(relation=["on_top_of"]) != ()
+    assert kb.proofs(relation="leans_on") == kb.proofs(relation=["leans_on"]) != {}
+    with pytest.raises(QueryError, match="no relation 'ontop': did you mean 'on_top_of'"):
+        kb.relations(relation="ontop")
+    with KnowledgeBase(kb.scene, rules="support") as one:
+        assert one.relations(relation="supported_by")
+
+
 def test_unknown_names_are_refused_with_what_may_be_meant(kb: KnowledgeBase) -> None:
     with pytest.raises(QueryError, match="no relation 'ontop': did you mean 'on_top_of'"):
         kb.relations(relation=["near", "ontop"])

@@ -351,7 +351,7 @@ def test_rows_say_what_they_are_and_where_they_are_stated(tmp_path: Path) -> Non
 def test_no_tile_has_more_things_than_wanted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(store, "TARGET", 60)
     pq.write_table(table(1500, size_x=np.full(1500, 0.1)), tmp_path / "map.parquet")
-    done = run_tiles([tmp_path / "map.parquet"], tmp_path / "out", workers=1, relations=["near"])
+    done = run_tiles([tmp_path / "map.parquet"], tmp_path / "out", workers=1, relations="near")
     assert done.tiles > 1
     with KnowledgeBase(as_scene(table(1500, size_x=np.full(1500, 0.1)))) as kb:
         assert done.relations == len(kb.relations(relation=["near"]))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from deixis.errors import QueryError
 from deixis.inference import Inference
-from deixis.vocabulary import RELATIONS
+from deixis.vocabulary import asked_for
 from deixis.wording import ENGLISH, Words
 
 if TYPE_CHECKING:
@@ -175,7 +175,7 @@ class Explaining(Inference):
         from deixis.explain import Proof
         from deixis.prolog import Atom
 
-        names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
+        names = asked_for(relation)
         wanted: list[Any] = [[Atom(name), arity] for one in names for name, arity in self._predicates(one)]
         found: Any = self.engine.call("proofs", *wanted, timeout=timeout)
         proofs = [Proof.from_dict(one, self.words) for one in found]

@@ -18,7 +18,7 @@ from deixis.hints import hint
 from deixis.regions import BoxRegion
 from deixis.relations import Relation, Withheld, in_order, rounded
 from deixis.scene import Scene
-from deixis.vocabulary import RELATIONS
+from deixis.vocabulary import asked_for
 
 if TYPE_CHECKING:
     from deixis.engines import AutoExecutor, Engine, Found
@@ -38,7 +38,7 @@ class Inference:
         self,
         scene: Scene,
         *,
-        rules: Sequence[str | os.PathLike[str]] = (),
+        rules: Sequence[str | os.PathLike[str]] | os.PathLike[str] = (),
         region: RegionModel = "box",
         language: str = "en",
         facts: Facts | None = None,
@@ -50,7 +50,7 @@ class Inference:
         if facts is not None:
             self.region = facts.region
             self.facts = _of_scene(facts, scene)
-        self._rules = tuple(rules)
+        self._rules = (rules,) if isinstance(rules, (str, os.PathLike)) else tuple(rules)
         self._engine: PrologEngine | None = None
         self._loaded: Facts | None = None
         self._starting = threading.Lock()
@@ -60,7 +60,7 @@ class Inference:
         cls,
         scene: Scene | str | os.PathLike[str],
         *,
-        rules: Sequence[str | os.PathLike[str]] = (),
+        rules: Sequence[str | os.PathLike[str]] | os.PathLike[str] = (),
         region: RegionModel = "box",
         language: str = "en",
     ) -> Self:
@@ -182,8 +182,8 @@ class Inference:
         ----------
         view : str, optional
             Only this view's horizontal relations; those that depend on no view are always included.
-        relation : iterable of str, optional
-            Only these relations; by default all that people speak in. Base relations (``touches``,
+        relation : str or iterable of str, optional
+            Only this relation or these; by default all that people speak in. Base relations (``touches``,
             ``east_r`` ...) and predicates of the user's rule files with two or three names for arguments
             are given when named; a third argument is taken for the view.
         timeout : float
@@ -200,7 +200,7 @@ class Inference:
         RuleError
             Something is wrong with a rule file.
         """
-        names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
+        names = asked_for(relation)
         wanted = [predicate for name in names for predicate in self._predicates(name)]
         if view is not None:
             self.check_view(view)

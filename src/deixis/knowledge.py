@@ -31,7 +31,7 @@ class KnowledgeBase(Following):
     Parameters
     ----------
     scene : Scene
-    rules : sequence of path
+    rules : path or sequence of path
         Rule files of the user's own, in the subset that ``deixis rules check`` checks, loaded after the
         theory's, or names of shipped ones: ``support``, ``background``, ``safety``. What they import with
         ``use_module`` is loaded too. They are checked before any engine sees them.

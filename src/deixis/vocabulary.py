@@ -5,6 +5,7 @@ Tests hold the rule files, the sentences, ``rules/axioms.pl`` and ``kb/axioms.md
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -90,3 +91,18 @@ RELATIONS: Final = tuple(term for term in TERMS if term.kind == "relation")
 
 BASE: Final = tuple(term for term in TERMS if term.kind == "base")
 """The relations they are made of."""
+
+
+def asked_for(relation: str | Iterable[str] | None) -> list[str]:
+    """Return the names of relations that are asked for, each once; by default all that people speak in.
+
+    A string is one name: it is iterable too, and its letters are never meant.
+
+    Examples
+    --------
+    >>> asked_for("near"), asked_for(["near", "above", "near"]), len(asked_for(None)) == len(RELATIONS)
+    (['near'], ['near', 'above'], True)
+    """
+    if relation is None:
+        return [term.name for term in RELATIONS]
+    return [relation] if isinstance(relation, str) else list(dict.fromkeys(relation))

@@ -28,7 +28,7 @@ from deixis.inference import Inference
 from deixis.ruleset import Indicator, Ruleset, load, locate
 from deixis.scene import Scene
 from deixis.strict_json import parse, quoted
-from deixis.vocabulary import RELATIONS as VOCABULARY
+from deixis.vocabulary import asked_for
 
 _SAMPLE: Final[dict[str, Any]] = {
     "deixis": 1,
@@ -54,7 +54,7 @@ class Relate:
 
     Parameters
     ----------
-    relations : tuple of str
+    relations : str or tuple of str
         Which; by default all that people speak in.
     rules : tuple of str
         Rule files of one's own, or names of shipped ones.
@@ -74,7 +74,7 @@ class Relate:
     (['extinguisher2'], ['odd'])
     """
 
-    relations: tuple[str, ...] = ()
+    relations: str | tuple[str, ...] = ()
     rules: tuple[str, ...] = ()
     region: RegionModel = "box"
     view: str | None = None
@@ -155,7 +155,7 @@ class Relate:
     @cached_property
     def _places(self) -> dict[Indicator, str]:
         """Return the predicates to derive, each with where it is stated."""
-        names = dict.fromkeys(self.relations or [term.name for term in VOCABULARY])
+        names = asked_for(self.relations or None)
         own = self._ruleset if self.rules else None
         found = [one for name in names for one in predicates(name, own)]
         stated = {one: self._ruleset.by_head[one][0].place for one in found}

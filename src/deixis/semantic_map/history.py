@@ -17,7 +17,7 @@ from deixis.moments import spoken
 from deixis.semantic_map.deriving import KEPT, HistoryStore, theory
 from deixis.semantic_map.intervals import Between, Interval, rank
 from deixis.semantic_map.records import Row
-from deixis.vocabulary import BY_NAME, RELATIONS
+from deixis.vocabulary import BY_NAME, asked_for
 
 if TYPE_CHECKING:
     from deixis.ruleset import Ruleset
@@ -134,9 +134,9 @@ class SemanticMap(HistoryStore):
 
         Parameters
         ----------
-        relation : iterable of str, optional
-            Only these; by default all that people speak in. Base relations and predicates of the rule files
-            are given when named.
+        relation : str or iterable of str, optional
+            Only this or these; by default all that people speak in. Base relations and predicates of the rule
+            files are given when named.
         figure, reference : str, optional
             Only of these things.
         view : str, optional
@@ -165,7 +165,7 @@ class SemanticMap(HistoryStore):
                 f"the time from {spoken(first)} to {spoken(last)} runs backwards: exchange the two"
             )
         ruleset = ruleset_of(rules) if rules else None
-        names = [term.name for term in RELATIONS] if relation is None else list(dict.fromkeys(relation))
+        names = asked_for(relation)
         wanted = [one for name in names for one in predicates(name, ruleset)]
         # What one's own rules are about need be no thing, nor the third a view.
         if not rules:
@@ -201,7 +201,7 @@ class SemanticMap(HistoryStore):
         ----------
         start, end : float
             Seconds since the epoch.
-        relation : iterable of str, optional
+        relation : str or iterable of str, optional
             As of :meth:`intervals`.
         view : str, optional
             Whose left and right count; without it none does: they change with every step of who looks.

@@ -27,6 +27,7 @@ from deixis.tiles.after import after
 from deixis.tiles.sources import files, head
 from deixis.tiles.store import Tile, check_size, collect, cut, name_of
 from deixis.tiles.work import Job, Worker
+from deixis.vocabulary import asked_for
 
 EngineName = Literal["local", "ray"]
 
@@ -78,7 +79,7 @@ def run(
         A folder; made if need be.
     size : float, optional
         Side of a tile, metres; by default such that none has more than some 20,000 things.
-    relations : sequence of str
+    relations : str or sequence of str
         Which; by default all that people speak in.
     rules : sequence of Path
         Rule files of one's own, or names of shipped ones.
@@ -109,9 +110,10 @@ def run(
     told = head(inputs)
     found = tuple(str(one.absolute()) for one in (locate(rules, datalog_files()) if rules else ()))
     work = target / _WORK
-    options = {"size": size, "relations": list(relations), "rules": found}
+    names = asked_for(relations) if relations else []
+    options = {"size": size, "relations": names, "rules": found}
     before = _manifest(target, inputs, options)
-    job = Job(str(work), 1.0, json.dumps(told.to_dict()), places[0].name, tuple(relations), found)
+    job = Job(str(work), 1.0, json.dumps(told.to_dict()), places[0].name, tuple(names), found)
     Worker(job).places  # noqa: B018 - what is wrong with the rules or the names is said at once
     if before.get("done"):
         shutil.rmtree(work, ignore_errors=True)  # of a run that was stopped at its very end
