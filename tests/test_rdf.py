@@ -497,7 +497,10 @@ def test_export_and_import(tmp_path: Path, figure_3: Scene) -> None:
 def test_an_unknown_ending_is_refused(tmp_path: Path) -> None:
     done = call("export", ROOT / "kb" / "scenes" / "hans.json", "-o", tmp_path / "hans.xml")
     assert done.code == 2
-    assert "'hans.xml' ends in no format of RDF: name it with one of .trig, .nq, .jsonld" in done.err
+    known = ".trig, .nq, .jsonld, .ttl, .nt, .mcap"
+    assert done.err == f"deixis: 'hans.xml' ends in no known format: name it with one of {known}\n"
+    with KnowledgeBase(Scene("empty")) as kb, pytest.raises(ReaderError, match=r"no format of RDF.*, \.nt$"):
+        save(kb, tmp_path / "hans.mcap")
 
 
 def test_an_unwritable_place_is_named(tmp_path: Path) -> None:

@@ -300,9 +300,11 @@ def export(
 ) -> None:
     """Write a scene with all that follows from it as RDF, or for Foxglove, by the ending of the file."""
     from deixis.rdf.export import save
+    from deixis.rdf.formats import ending
 
+    form = ending(target, also=["mcap"])
     with open_scene(scene, region, rules) as kb:
-        if target.suffix == ".mcap":
+        if form == "mcap":
             from deixis.cli.bags import export_mcap
 
             told = export_mcap(kb, target, proofs=proofs, view=view)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
@@ -36,8 +37,8 @@ MAX_DEPTH: Final = 100
 _BRACKETS: Final = re.compile(rb'"(?:[^"\\]|\\.)*"|([\[{])|([\]}])', re.DOTALL)
 
 
-def ending(path: Path) -> str:
-    """Return the format that a file's ending names.
+def ending(path: Path, also: Sequence[str] = ()) -> str:
+    """Return the format that a file's ending names: one of RDF, or of those that a caller has also.
 
     Raises
     ------
@@ -50,9 +51,10 @@ def ending(path: Path) -> str:
     'trig'
     """
     found = path.suffix.lower().removeprefix(".")
-    if found not in FORMATS:
-        known = ", ".join(f".{name}" for name in FORMATS)
-        raise ReaderError(f"{quoted(path.name, 200)} ends in no format of RDF: name it with one of {known}")
+    if found not in (*FORMATS, *also):
+        known = ", ".join(f".{name}" for name in (*FORMATS, *also))
+        what = "known format" if also else "format of RDF"
+        raise ReaderError(f"{quoted(path.name, 200)} ends in no {what}: name it with one of {known}")
     return found
 
 
