@@ -6,6 +6,7 @@ import asyncio
 import http.client
 import json
 import random
+import re
 import signal
 import socket
 import threading
@@ -457,7 +458,11 @@ def test_it_says_that_it_serves_when_it_listens() -> None:
         taken.listen()
         refused = run("serve", HANS, "--port", str(taken.getsockname()[1]))
     assert refused.code == 2
-    assert "is the port taken" in refused.err
+    assert re.fullmatch(r"deixis: the server could not start on [\d.:]+: is the port taken\?\n", refused.err)
+    # An address that no machine has.
+    refused = run("serve", HANS, "--host", "192.0.2.1")
+    assert (refused.code, len(refused.err.splitlines())) == (2, 1)
+    assert "could not start on 192.0.2.1:7878: cannot assign" in refused.err
     assert "serving" not in refused.err
 
 

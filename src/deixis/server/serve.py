@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import logging
 import socket
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -36,6 +38,27 @@ class _Server(uvicorn.Server):
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._hush()
         await super().shutdown(sockets)
+
+
+class _Unbound(logging.Filter):
+    """Keeps the error that an address cannot be bound out of uvicorn's log: it is ours to tell."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.error: OSError | None = None
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        if not isinstance(record.msg, OSError):
+            return True
+        self.error = record.msg
+        return False
+
+    @property
+    def reason(self) -> str:
+        if self.error is None or self.error.errno == errno.EADDRINUSE:
+            return "is the port taken?"
+        # asyncio puts in front of it what it attempted.
+        return str(self.error.strerror).rpartition(": ")[2]
 
 
 def serve(scenes: Sequence[str], settings: Settings, ready: Callable[[], object] = lambda: None) -> None:
@@ -92,13 +115,16 @@ def serve(scenes: Sequence[str], settings: Settings, ready: Callable[[], object]
         lifespan="on",
     )
     server = _Server(config, ready, app.state.hush)
-    # Where it cannot start it would end the process with the code of a time-out.
-    with suppress(SystemExit):
-        server.run()
+    unbound, log = _Unbound(), logging.getLogger("uvicorn.error")
+    log.addFilter(unbound)
+    try:
+        # Where it cannot start it would end the process with the code of a time-out.
+        with suppress(SystemExit):
+            server.run()
+    finally:
+        log.removeFilter(unbound)
     if not server.started:
-        raise DeixisError(
-            f"the server could not start on {settings.host}:{settings.port}: is the port taken?"
-        )
+        raise DeixisError(f"the server could not start on {settings.host}:{settings.port}: {unbound.reason}")
 
 
 def _mapped(address: str) -> tuple[Scene, bytes]:
