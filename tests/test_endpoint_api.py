@@ -216,6 +216,29 @@ def test_questions_for_reasons_that_mean_nothing_are_refused(server: Server, pat
     assert (reply.status, "Traceback" in reply.detail) == (status, False)
 
 
+@pytest.mark.parametrize(
+    ("method", "path", "allowed", "detail"),
+    [
+        ("POST", "why", "GET", "GET it, with ?goal=...: /scenes/hans/why takes GET, not POST"),
+        ("POST", "contrast", "GET", "GET it, with ?goal=...&rather_than=...: "),
+        ("POST", "names", "GET", "GET it: /scenes/hans/names takes GET, not POST"),
+        ("GET", "ask", "POST", "POST it, with JSON in the body: /scenes/hans/ask takes POST, not GET"),
+        ("GET", "what-if", "POST", "POST it, with JSON in the body: "),
+        ("GET", "updates", "POST", "POST it, with JSON in the body: "),
+        ("POST", "", "GET, PUT, DELETE", "/scenes/hans takes GET, PUT or DELETE, not POST"),
+        ("PATCH", "sparql", "GET, HEAD, POST", "/sparql takes GET or POST, not PATCH"),
+    ],
+)
+def test_a_wrong_method_is_answered_with_the_right_one(
+    server: Server, method: str, path: str, allowed: str, detail: str
+) -> None:
+    whole = "/sparql" if path == "sparql" else f"/scenes/hans/{path}".rstrip("/")
+    reply = server.send(method, whole, b"" if method == "POST" else None)
+    assert (reply.status, reply.headers["allow"]) == (405, allowed)
+    assert reply.headers["content-type"] == "application/problem+json"
+    assert reply.detail.startswith(detail)
+
+
 def test_scenes_are_whole(server: Server) -> None:
     found = server.send("GET", "/scenes/hans").json
     assert Scene.from_dict(found).to_dict() == Scene.load(HANS).to_dict()

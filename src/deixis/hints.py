@@ -10,6 +10,18 @@ _LISTED: Final = 40
 """Names that are listed where none is close: all relations, and not all things of a map."""
 
 
+def either(names: Sequence[str]) -> str:
+    """Return some names as what may have been meant.
+
+    Examples
+    --------
+    >>> either(["cup"]), either(["cup", "cap"]), either(["cup", "cap", "cop"])
+    ('cup', 'cup or cap', 'cup, cap or cop')
+    """
+    *first, last = names
+    return f"{', '.join(first)} or {last}" if first else last
+
+
 def hint(name: str, known: Sequence[str]) -> str:
     """Say what may have been meant; where nothing is alike, what is known, and not more than can be read.
 

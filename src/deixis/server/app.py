@@ -25,7 +25,7 @@ from deixis.server.events import Streams
 from deixis.server.following import following
 from deixis.server.graphs import Graphs
 from deixis.server.page import page
-from deixis.server.problems import Problem, problem, response
+from deixis.server.problems import Problem, not_allowed, problem, response
 from deixis.server.protocol import Protocol
 from deixis.server.settings import Settings
 
@@ -101,8 +101,10 @@ def create_app(settings: Settings, scenes: Mapping[str, bytes], past: Mapping[st
     # The other half of the connections is for those who ask.
     streams = Streams(max(1, min(limits.streams, limits.connections // 2)), limits.heartbeat)
     app.router.routes.append(_route("/health", _health(dataset, streams), ["GET"]))
-    app.include_router(api(dataset, settings))
-    app.include_router(following(dataset, settings, streams))
+    app.state.listed = list(app.router.routes)
+    for router in (api(dataset, settings), following(dataset, settings, streams)):
+        app.state.listed += router.routes
+        app.include_router(router)
     app.state.hush = dataset.hush
     app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(_hosts(settings)), www_redirect=False)
     if settings.origins:
@@ -135,13 +137,15 @@ def _hosts(settings: Settings) -> set[str]:
     return {"localhost", "127.0.0.1", *own, *settings.hosts}
 
 
-async def _failed(_: Request, error: Exception) -> Response:
+async def _failed(request: Request, error: Exception) -> Response:
     match error:
         case DeixisError():
             return response(error)
         case RequestValidationError():
             text = "; ".join(f"{'.'.join(map(str, one['loc']))}: {one['msg']}" for one in error.errors()[:5])
             return problem(422, text)
+        case HTTPException(status_code=405):
+            return not_allowed(request)
         case HTTPException():
             return problem(error.status_code, str(error.detail), error.headers)
     raise Problem(500, "unexpected") from error

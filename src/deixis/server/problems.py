@@ -6,9 +6,13 @@ from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Final
 
+from fastapi.routing import APIRoute
+from starlette.requests import Request
 from starlette.responses import JSONResponse
+from starlette.routing import Match, Route
 
 from deixis import errors
+from deixis.hints import either
 from deixis.rdf.evaluator import Refused, TooLarge
 from deixis.server.children import Lost
 from deixis.server.screening import Forbidden
@@ -53,6 +57,8 @@ _NAMED: Final[dict[str, type[errors.DeixisError]]] = {
     kind.__name__: kind for kind, _ in _STATUS if issubclass(kind, errors.DeixisError)
 }
 
+_METHODS: Final = ("GET", "HEAD", "POST", "PUT", "DELETE")
+
 _AFTER: Final = {429: {"Retry-After": "1"}, 503: {"Retry-After": "5"}}
 
 
@@ -70,6 +76,31 @@ def response(error: Exception) -> JSONResponse:
     status = next(status for kind, status in _STATUS if isinstance(error, kind))
     named = (name for kind, name in _TYPES if isinstance(error, kind))
     return problem(status, str(error), _AFTER.get(status), next(named, ""))
+
+
+def not_allowed(request: Request) -> JSONResponse:
+    """Return that a path takes other methods: all of them, and what is sent with the first."""
+    routes = [
+        route
+        for route in request.app.state.listed
+        if isinstance(route, Route) and route.matches(request.scope)[0] is not Match.NONE
+    ]
+    methods = [one for one in _METHODS if any(one in (route.methods or ()) for route in routes)]
+    told = [one for one in methods if one != "HEAD"]
+    detail = f"{request.url.path} takes {either(told)}, not {request.method}"
+    if len(told) == 1:
+        detail = f"{told[0]} it{_sent_with(routes[0])}: {detail}"
+    return problem(405, detail, {"Allow": ", ".join(methods)})
+
+
+def _sent_with(route: Route) -> str:
+    """Return what a route of the JSON interface needs beside its path."""
+    if not isinstance(route, APIRoute):
+        return ""
+    needed = [one.alias for one in route.dependant.query_params if one.field_info.is_required()]
+    if needed:
+        return f", with ?{'&'.join(f'{name}=...' for name in needed)}"
+    return ", with JSON in the body" if "requestBody" in (route.openapi_extra or {}) else ""
 
 
 def problem(
