@@ -57,6 +57,10 @@ goal_text(Goal, Polarity, Text) :-
     !,
     template_text(Template, Polarity, Text).
 goal_text(Goal, no, Text) :-
+    none_template(Goal, Template),
+    !,
+    template_text(Template, yes, Text).
+goal_text(Goal, no, Text) :-
     !,
     goal_text(Goal, yes, Core),
     saying(not_so, [Core], Text).
@@ -102,6 +106,23 @@ template(Marked, Template) :-
     Words:sentence(Copy, Template),
     Copy =@= Goal,                              % a template must not fill in what is open
     Copy = Goal,
+    !.
+
+%   none_template(+Goal, -Template): that there is nothing of which Goal holds, where its last argument only is
+%   open.
+
+none_template(Goal, Template) :-
+    compound(Goal),
+    (   Goal = (First, _)
+    ->  arg(1, First, Thing),
+        nonvar(Thing)
+    ;   Goal =.. [_|Args],
+        append(Known, [Last], Args),
+        var(Last),
+        ground(Known)
+    ),
+    language(Words),
+    Words:none(Goal, Template),
     !.
 
 own_template(Goal, Name, Yes, No) :-
@@ -191,9 +212,7 @@ negation_text((Goal, Other \== Exception), Text) :-
     !,
     template_text(Template, yes, Text).
 negation_text(Goal, Text) :-
-    term_variables(Goal, [_|_]),
-    language(Words),
-    Words:none(Goal, Template),
+    none_template(Goal, Template),
     !,
     template_text(Template, yes, Text).
 negation_text(Goal, Text) :-
@@ -226,6 +245,7 @@ near_text(_, _, "").
 %   open(+Goal): it asks for a thing, which measured facts may bring close; labels and kinds do not.
 
 open((label(_, _, _), _)) :- !, fail.
+open(burnable(_, _)) :- !, fail.
 open((Goal, _)) :- !, open(Goal).
 open(Goal) :-
     term_variables(Goal, [_|_]),

@@ -268,6 +268,18 @@ def test_answers_as_json(hans: Path) -> None:
     assert (none.code, json.loads(none.out)["answers"]) == (NO, [])
 
 
+def test_what_an_option_may_be_is_said_plainly(hans: Path) -> None:
+    told = call("relations", hans, "--format", "xml").err
+    assert "Invalid value for '--format': 'xml' is not one of 'table', " in told
+    assert "Value error" not in told + call("rules", "graph", "--format", "xml").err
+
+
+def test_a_scene_without_things_is_described(tmp_path: Path) -> None:
+    empty = tmp_path / "empty.json"
+    empty.write_text('{"deixis": 1, "id": "empty"}')
+    assert call("describe", empty) == Result(NO, "There is nothing to describe here.\n", "")
+
+
 @pytest.mark.parametrize(
     ("goal", "code", "out", "names"),
     [
@@ -390,7 +402,7 @@ def test_import_converts(tmp_path: Path) -> None:
     assert (result.code, result.out) == (YES, "")
     (thing,) = Scene.load(target).objects
     assert thing.label == "plate"
-    assert result.err.endswith(f"{target}: 1 objects, 0 views\n")
+    assert result.err.endswith(f"{target}: 1 object, 0 views\n")
 
 
 def test_import_of_something_else_writes_nothing(hans: Path, tmp_path: Path) -> None:
@@ -448,7 +460,7 @@ BAD = {
     ),
     "two values": (
         '{"id": "cup", "box": {"center": [0, 0], "size": [1, 1, 1]}}',
-        "object 'cup': box.center has 2 entries",
+        "object 'cup': box.center has 2 entries: give exactly 3",
     ),
     "duplicate id": (", ".join([f'{{"id": "cup", "box": {BOX}}}'] * 2), "object 'cup' is given more than"),
     "empty cloud": ('{"id": "cup", "points": []}', "object 'cup': points has 0 entries"),
@@ -491,7 +503,7 @@ def test_a_bad_object_is_one_clear_error(name: str, tmp_path: Path) -> None:
     [
         ({"views": [{"id": "world", "position": [0, 0, 0]}]}, "view 'world'"),
         ({"views": [{"id": "v", "position": [0, 0, 0]}] * 2}, "view 'v' is given more than once"),
-        ({"views": [{"id": "v", "position": [0, 0]}]}, "view 'v': position has 2 entries"),
+        ({"views": [{"id": "v", "position": [0, 0]}]}, "view 'v': position has 2 entries: give exactly 3"),
         ({"thresholds": {"granularity": -1.0}}, "granularity"),
         ({"thresholds": {"granularity": 0.5}}, "penetration"),
         ({"thresholds": {"granulrity": 0.1}}, "did you mean 'granularity'?"),

@@ -182,7 +182,7 @@ def test_more_sentences_can_be_asked_for(root: Path) -> None:
 
 def test_an_empty_scene_has_nothing_to_tell() -> None:
     found = described(scene())
-    assert (found.text(), found.left_out) == ("", 0)
+    assert (found.text(), found.left_out) == ("There is nothing to describe here.", 0)
 
 
 @pytest.mark.parametrize("label", HOSTILE)

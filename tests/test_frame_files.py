@@ -400,7 +400,9 @@ def test_what_was_seen_where_survives_files(tmp_path: Path) -> None:
 def test_a_thing_is_seen_in_views_there_are() -> None:
     box = {"center": [0, 0, 1], "size": [0.1, 0.1, 0.1]}
     data = {"deixis": 1, "id": "room", "objects": [{"id": "cup", "box": box, "seen_in": ["a"]}]}
-    with pytest.raises(SceneError, match="object 'cup': seen in 'a', no view: add it"):
+    with pytest.raises(
+        SceneError, match="object 'cup': seen in 'a', which is no view of the scene: add it or leave it out"
+    ):
         Scene.from_dict(data)
 
 
@@ -411,7 +413,7 @@ def test_perceive_writes_a_scene(seen: Frame, tmp_path: Path) -> None:
     path = write_frame(seen, tmp_path / "one.json")
     result = run("perceive", str(path), "-o", "room.json", cwd=tmp_path)
     assert (result.code, result.out) == (0, "")
-    assert result.err.splitlines()[-1] == "room.json: 2 objects, 1 surfaces, 1 views"
+    assert result.err.splitlines()[-1] == "room.json: 2 objects, 1 surface, 1 view"
     scene = Scene.load(tmp_path / "room.json")
     assert (scene.id, scene.views[0].label) == ("room", "hans")
     assert [(thing.id, thing.label, thing.seen_in) for thing in scene.objects] == [

@@ -378,7 +378,7 @@ def test_since_on_the_command_line(on_map: Callable[..., Result]) -> None:
     assert (done.code, done.err) == (1, "")
     first, why = done.out.split("\n", 1)
     assert first == (
-        "The cup is not on the table; last it was so from 2026-11-22 10:00:00 UTC to 2026-11-22 10:42:00 UTC."
+        "The cup is not on the table; it last was from 2026-11-22 10:00:00 UTC to 2026-11-22 10:42:00 UTC."
     )
     assert why.startswith("No: the cup is not on top of the table (short by ")
     for time in ("10:30", "11:30:00+01:00", "2026-11-22T10:30:00", "1795343400"):

@@ -286,6 +286,9 @@ def test_index_suggests_the_nearest_names() -> None:
         made.index("extinguisher")
     with pytest.raises(SceneError, match="'zzz'"):
         made.index("zzz")
+    several = Scene.from_dict(scene(cup(id="cup1"), cup(id="cup2"), cup(id="cup3")))
+    with pytest.raises(SceneError, match="did you mean 'cup3', 'cup2' or 'cup1'"):
+        several.index("cup")
 
 
 def test_what_is_in_a_scene_does_not_change() -> None:

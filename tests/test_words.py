@@ -176,6 +176,28 @@ GERMAN = {
 }  # fmt: skip
 
 
+def test_a_denial_that_leaves_open_what_a_thing_is_to_be_made_of_is_a_sentence(figure_3: Scene) -> None:
+    said = {
+        "en": [
+            "contact with the electric heater and it is not made of anything which burns.",
+            "The fire extinguisher sign is not made of anything which burns, because ",
+        ],
+        "de": [
+            "und „radiator“ besteht aus nichts Brennbarem.",
+            "„fire extinguisher sign“ besteht aus nichts",
+        ],
+    }
+    for language, (hazard, sign) in said.items():
+        with KnowledgeBase(figure_3, language=language, rules=["safety"]) as kb:
+            assert kb.why_not("violation(fire_hazard, radiator, heater)").sentence().endswith(hazard)
+            assert kb.why_not("burnable(sign, What)").sentence().startswith(sign)
+            assert "close" not in kb.why("burnable(sign, What)").text
+    with KnowledgeBase(figure_3, rules=["safety"]) as kb:
+        # Where something else is open, that is said, and not that there is none.
+        assert "something is made of cork which burns" in kb.why("burnable(Thing, cork)").text
+        assert kb.why("on_wall(extinguisher2, Wall)").text.startswith("no wall holds the fire extinguisher")
+
+
 def test_german(figure_3: Scene) -> None:
     with KnowledgeBase(figure_3, language="de") as kb:
         for goal, text in GERMAN.items():

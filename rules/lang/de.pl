@@ -156,6 +156,7 @@ no_other(touches(_, F), R, ['nichts außer', the(R), 'berührt', the(F)]).
 none(on_wall(T, _), ['keine Wand hält', the(T)]).
 none((touches(F, S), below_r(S, F)), ['nichts, was', the(F), 'berührt, ist unter', the(F)]).
 none(has_near(T, Kind, _), ['nichts, was als', name(Kind), 'gilt, ist in der Nähe von', the(T)]).
+none(burnable(T, _), [the(T), 'besteht aus nichts Brennbarem']).
 none((label(T, _, _), _ > _), ['keine andere Bezeichnung von', the(T), 'hat eine höhere Bewertung']).
 
 %!  differs(?A, ?B, ?Template) is det.

@@ -155,6 +155,7 @@ no_other(touches(_, F), R, ['nothing other than', the(R), 'touches', the(F)]).
 none(on_wall(T, _), ['no wall holds', the(T)]).
 none((touches(F, S), below_r(S, F)), ['nothing that', the(F), 'touches is under', the(F)]).
 none(has_near(T, Kind, _), ['no', name(Kind), 'is near', the(T)]).
+none(burnable(T, _), [the(T), 'is not made of anything which burns']).
 none((label(T, _, _), _ > _), ['no label of', the(T), 'scores higher']).
 
 %!  differs(?A, ?B, ?Template) is det.

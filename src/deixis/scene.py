@@ -23,6 +23,7 @@ from deixis._files import write_whole
 from deixis.boxes import Boxes
 from deixis.errors import DeixisError, SceneError, ThresholdError
 from deixis.frames import WORLD
+from deixis.hints import either
 from deixis.pieces import Strays
 from deixis.regions import (
     BoxRegion,
@@ -158,7 +159,10 @@ class Scene:
         for thing in objects:
             lost = next((view for view in thing.seen_in if view not in known), None)
             if lost is not None:
-                raise SceneError(f"object {quoted(thing.id)}: seen in {quoted(lost)}, no view: add it")
+                raise SceneError(
+                    f"object {quoted(thing.id)}: seen in {quoted(lost)}, which is no view of the scene: "
+                    "add it or leave it out"
+                )
         scene = cls(parts.id, objects, views, limits, strays=parts.strays)
         object.__setattr__(scene, "diagnostics", (*diagnostics, *_oddities(scene)))
         return scene
@@ -264,7 +268,7 @@ class Scene:
         position = self._positions.get(name)
         if position is None:
             near = difflib.get_close_matches(name, self._positions, n=3)
-            hint = f"did you mean {', '.join(map(quoted, near))}?" if near else "give the id of one it has"
+            hint = f"did you mean {either([*map(quoted, near)])}?" if near else "give the id of one it has"
             raise SceneError(f"scene {quoted(self.id)} has no object {quoted(name)}: {hint}")
         return position
 

@@ -55,6 +55,19 @@ def listed(value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
 
 
+def exactly(count: int) -> BeforeValidator:
+    """Return the check that a list has so many entries: the schema's limits would name one of them only."""
+
+    def check(value: Any) -> Any:
+        entries = listed(value)
+        if isinstance(entries, list) and len(entries) != count:
+            noun = "entry" if len(entries) == 1 else "entries"
+            raise ValueError(f"has {len(entries)} {noun}: give exactly {count}")
+        return entries
+
+    return BeforeValidator(check)
+
+
 def _inline_or_file(value: Any) -> str:
     return "file" if isinstance(value, str) else "inline"
 
@@ -68,11 +81,11 @@ class Part(BaseModel):
 Name = Annotated[str, Field(min_length=1, max_length=256), AfterValidator(_plain)]
 Coordinate = Annotated[float, Field(ge=-MAX_COORDINATE, le=MAX_COORDINATE)]
 Extent = Annotated[float, Field(ge=0.0, le=MAX_COORDINATE)]
-Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3), BeforeValidator(listed)]
-Size = Annotated[list[Extent], Field(min_length=3, max_length=3), BeforeValidator(listed)]
+Point = Annotated[list[Coordinate], Field(min_length=3, max_length=3), exactly(3)]
+Size = Annotated[list[Extent], Field(min_length=3, max_length=3), exactly(3)]
 Points = Annotated[list[Point], Field(min_length=1, fail_fast=True), BeforeValidator(listed)]
 Index = Annotated[int, Field(ge=0)]
-Face = Annotated[list[Index], Field(min_length=3, max_length=3), BeforeValidator(listed)]
+Face = Annotated[list[Index], Field(min_length=3, max_length=3), exactly(3)]
 Faces = Annotated[list[Face], Field(min_length=1, fail_fast=True), BeforeValidator(listed)]
 FileName = Annotated[str, Field(min_length=1, max_length=1024)]
 
@@ -308,7 +321,8 @@ def _sentence(problem: Any, data: dict[str, Any]) -> str:
         case "too_short" | "too_long" if limits.get("field_type") == "List":
             least, most = limits.get("min_length"), limits.get("max_length")
             wanted = f"at least {least}" if least is not None else f"at most {most}"
-            return f"{subject} has {limits['actual_length']} entries: give {wanted}"
+            noun = "entry" if limits["actual_length"] == 1 else "entries"
+            return f"{subject} has {limits['actual_length']} {noun}: give {wanted}"
         case "string_too_short" | "string_too_long":
             return f"{subject} is {quoted(value)}: give 1 to 256 characters"
         case "string_type" | "string_unicode":

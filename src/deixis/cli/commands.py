@@ -13,10 +13,12 @@ from deixis import __version__
 from deixis.cli import perceive as perceive_command
 from deixis.cli import rules as rules_commands
 from deixis.cli import serve as serve_command
+from deixis.cli.group import Group
 from deixis.cli.measuring import Grounding, GroundingOption, measured
 from deixis.cli.output import (
     Format,
     RelationFormat,
+    counted,
     printable_lines,
     records,
     warn,
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer(
     name="deixis",
+    cls=Group,
     help="Commonsense spatial relations of a 3D scene, and why they hold.\n\n"
     "Exit codes: 0 yes, 1 no, 2 error, 3 time-out.",
     no_args_is_help=True,
@@ -331,7 +334,8 @@ def import_(
     scene = read_one(name, path)
     warn(scene.diagnostics)
     scene.save(target)
-    print(f"{target}: {len(scene.objects)} objects, {len(scene.views)} views", file=sys.stderr)
+    told = counted(len(scene.objects), "object"), counted(len(scene.views), "view")
+    print(f"{target}: {', '.join(told)}", file=sys.stderr)
 
 
 class SchemaName(StrEnum):

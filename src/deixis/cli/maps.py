@@ -14,7 +14,7 @@ import typer
 from deixis.cli.commands import Region, RegionOption, RelationOption, RuleFiles, Seconds, ViewOption
 from deixis.cli.commands import app as whole_app
 from deixis.cli.measuring import Grounding, GroundingOption, measured
-from deixis.cli.output import RelationFormat, records, warn, write_csv, write_json, write_table
+from deixis.cli.output import RelationFormat, counted, records, warn, write_csv, write_json, write_table
 from deixis.cli.shown import show_relations
 from deixis.errors import MapError
 from deixis.moments import moment, seconds
@@ -102,7 +102,7 @@ def add(
             scene = Scene.load(path)
             warn(scene.diagnostics)
             frame = kept.add(scene, stamp=time, whole=whole, gone=gone or ())
-            print(f"{frame.seq}\t{moment(frame.stamp)}\t{frame.things} things", flush=True)
+            print(f"{frame.seq}\t{moment(frame.stamp)}\t{counted(frame.things, 'thing')}", flush=True)
 
 
 @app.command(name="list")

@@ -86,6 +86,17 @@ def records(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> list[l
     return [[row[column] for column in columns] for row in rows]
 
 
+def counted(count: int, noun: str) -> str:
+    """Return how many there are of something.
+
+    Examples
+    --------
+    >>> counted(1, "thing"), counted(0, "thing")
+    ('1 thing', '0 things')
+    """
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
 def warn(messages: Iterable[object]) -> None:
     """Say on stderr what should be known beside the answer."""
     for message in messages:

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from deixis.cli.output import printable, progress_bar
+from deixis.cli.output import counted, printable, progress_bar
 
 
 def perceive(
@@ -54,6 +54,7 @@ def perceive(
     scene.save(target)
     things = sum(one.kind == "object" for one in scene.objects)
     surfaces = len(scene.objects) - things
-    print(f"{target}: {things} objects, {surfaces} surfaces, {len(scene.views)} views", file=sys.stderr)
+    told = counted(things, "object"), counted(surfaces, "surface"), counted(len(scene.views), "view")
+    print(f"{target}: {', '.join(told)}", file=sys.stderr)
     if not scene.objects or (strict and scene.diagnostics):
         raise typer.Exit(1)

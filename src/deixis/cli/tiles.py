@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deixis.cli.commands import RelationOption, RuleFiles, app
-from deixis.cli.output import progress_bar
+from deixis.cli.output import counted, progress_bar
 
 if TYPE_CHECKING:
     from deixis.tiles import Summary
@@ -82,7 +82,5 @@ def tiles(
             progress=shown,
         )
     kept = f", {found.before} of them done before" if found.before else ""
-    print(
-        f"{target}: {found.tiles} tiles{kept}, {found.things} things, {found.relations} relations",
-        file=sys.stderr,
-    )
+    things, relations = counted(found.things, "thing"), counted(found.relations, "relation")
+    print(f"{target}: {counted(found.tiles, 'tile')}{kept}, {things}, {relations}", file=sys.stderr)

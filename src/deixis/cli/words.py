@@ -35,9 +35,8 @@ def describe(
     if output is TextOrJson.JSON:
         write_json(found.to_dict())
     else:
-        for line in [*(one.text for one in found.sentences), found.rest]:
-            if line:
-                print(printable(line))
+        for line in found.lines():
+            print(printable(line))
     if not found.sentences:
         raise typer.Exit(1)
 

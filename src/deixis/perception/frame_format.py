@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Final, Literal, Self
 
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from deixis.errors import SceneError
 from deixis.scene_format import (
@@ -15,7 +15,7 @@ from deixis.scene_format import (
     Name,
     Part,
     Point,
-    listed,
+    exactly,
     optional,
     tidy,
 )
@@ -25,7 +25,7 @@ VERSION: Final = 1
 
 SCHEMA_ID: Final = "urn:deixis:schema:frame:1"
 
-Row = Annotated[list[Coordinate], Field(min_length=4, max_length=4), BeforeValidator(listed)]
+Row = Annotated[list[Coordinate], Field(min_length=4, max_length=4), exactly(4)]
 Number = Annotated[int, Field(ge=1, le=2**31 - 1)]
 Pixels = Annotated[int, Field(ge=1, le=65_535)]
 
@@ -46,7 +46,7 @@ class PosePart(Part):
 
     position: Point = optional("Metres, world frame.")
     quaternion: Row = optional("x, y, z, w; of any length but zero.")
-    matrix: Annotated[list[Row], Field(min_length=4, max_length=4), BeforeValidator(listed)] = optional(
+    matrix: Annotated[list[Row], Field(min_length=4, max_length=4), exactly(4)] = optional(
         "Four rows, instead of position and quaternion."
     )
 

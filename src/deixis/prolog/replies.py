@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from deixis.errors import DeixisError, EngineError, QueryError, QueryTimeout, RuleError
+from deixis.hints import either
 
 _PROPOSALS: Final = 3
 _WIDEST: Final = 200
@@ -95,4 +96,4 @@ def _proposals(name: str, arity: int, known: list[tuple[str, int]]) -> str:
     found = [f"{name}/{other}" for other in same]
     for close in get_close_matches(name, sorted({other for other, _ in known}), n=_PROPOSALS):
         found += [f"{close}/{other}" for other_name, other in known if other_name == close != name]
-    return f": did you mean {' or '.join(found[:_PROPOSALS])}?" if found else ""
+    return f": did you mean {either(found[:_PROPOSALS])}?" if found else ""

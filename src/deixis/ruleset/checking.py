@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from deixis.errors import RuleError
+from deixis.hints import either
 from deixis.ruleset.base import BASE_FACTS
 from deixis.ruleset.graph import Graph
 from deixis.ruleset.kinds import Kinds, lengths
@@ -260,12 +261,12 @@ def _meant(predicate: Indicator, known: set[Indicator]) -> str:
     name, arity = predicate
     same = sorted(other for other_name, other in known if other_name == name)
     if same:
-        counts = " or ".join(map(str, same))
+        counts = either([*map(str, same)])
         return f"{name} has {counts} argument{'s' if same != [1] else ''}"
     close = get_close_matches(name, sorted({other for other, _ in known}), n=3)
     found = [shown((other, count)) for one in close for other, count in sorted(known) if other == one]
     if found:
-        return f"did you mean {' or '.join(found[:3])}?"
+        return f"did you mean {either(found[:3])}?"
     return f"define it, or write :- dynamic {shown((name, arity))}."
 
 

@@ -90,8 +90,16 @@ class Description:
 
     def text(self) -> str:
         """Return all sentences, with what was left out."""
-        said = [one.text for one in self.sentences]
-        return " ".join([*said, self.rest] if self.rest else said)
+        return " ".join(self.lines())
+
+    def lines(self) -> list[str]:
+        """Return the same sentence by sentence; where there is none, that there is nothing."""
+        said = [one.text for one in self.sentences] + ([self.rest] if self.rest else [])
+        if said:
+            return said
+        return [
+            "There is nothing to describe here." if self.about is None else "There is nothing to say of it."
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the description as nested dicts, ready for JSON."""

@@ -94,9 +94,11 @@ class Lasting:
             denied = self._said(one, ("is not", "are not"))
         else:
             denied = f"at {spoken(at)} {self._said(one, ('was not', 'were not'))}"
+        several = one.relation in PHRASES and is_plural(self._labels.get(one.figure, ""))
         if last is None or last.until is None:
-            return sentence(f"{denied}, and was not before")
-        return sentence(f"{denied}; last it was so from {spoken(last.since)} to {spoken(last.until)}")
+            return sentence(f"{denied}, and {'were' if several else 'was'} not before")
+        it = "they last were" if several else "it last was"
+        return sentence(f"{denied}; {it} from {spoken(last.since)} to {spoken(last.until)}")
 
     def _said(self, one: Interval, verbs: tuple[str, str]) -> str:
         """Return figure, verb and where; of a relation without a phrase the relation itself."""
