@@ -600,6 +600,9 @@ def test_case_29_extents_of_zero_are_legal(size: list[float]) -> None:
     assert facts.touches[facts.row("thin", "table")]
 
 
+SMALLER = "is the unit centimetres or millimetres?"
+
+
 @pytest.mark.parametrize(
     ("sizes", "said"),
     [
@@ -608,14 +611,42 @@ def test_case_29_extents_of_zero_are_legal(size: list[float]) -> None:
             [[0.0009, 0.0001, 0.0001]] * 2,
             "scene 'room': nothing is longer than 1 mm: is the unit kilometres?",
         ),
-        ([[10_000, 1, 1], [0.001, 0.0001, 0.0001]], None),
+        (
+            [[240, 60, 90], [8, 8, 10], [25, 25, 2]],
+            f"scene 'room': half of its objects are 25 m long or more: {SMALLER}",
+        ),
+        (
+            [[0.1, 0.1, 0.1], [0.2, 0.1, 0.1], [240, 60, 90], [0.12, 0.1, 0.1]],
+            "object 'o2': 240 m long, and half of the others at most 0.12 m: is its unit another?",
+        ),
+        ([[10, 1, 1], [0.01, 0.01, 0.01]], None),
+        ([[10, 1, 1]], None),
+        ([[0.001, 0.0001, 0.0001]], None),
     ],
-    ids=["millimetres", "kilometres", "just within"],
+    ids=["millimetres", "kilometres", "centimetres", "one of them", "unlike", "long", "short"],
 )
 def test_case_30_units_that_look_wrong(sizes: list[list[float]], said: str | None) -> None:
     things = [box(f"o{number}", (9.0 * number, 0, 0), size) for number, size in enumerate(sizes)]
     made = scene(*things, name="room")
     assert made.diagnostics == (() if said is None else (said,))
+
+
+def test_case_30_a_scene_in_centimetres_is_asked_about(tmp_path: Path, figure_3: Scene) -> None:
+    values = figure_3.to_dict()
+    for thing in values["objects"]:
+        for name in thing.get("box", {}):
+            if name != "yaw":
+                thing["box"][name] = [100 * one for one in thing["box"][name]]
+        if "polygon" in thing:
+            thing["polygon"] = [[100 * one for one in point] for point in thing["polygon"]]
+    path = tmp_path / "hans.json"
+    Scene.from_dict(values).save(path)
+    told = call("relations", path)
+    assert told.err.startswith(
+        f"deixis: scene 'hans': half of its objects are 50 m long or more: {SMALLER}\n"
+    )
+    # Walls may be as long as they are.
+    assert scene(TABLE, wall(half=1000.0)).diagnostics == ()
 
 
 # 31 to 34: sizes

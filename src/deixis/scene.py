@@ -22,7 +22,7 @@ import numpy as np
 from deixis._files import write_whole
 from deixis.boxes import Boxes
 from deixis.errors import DeixisError, SceneError, ThresholdError
-from deixis.frames import WORLD
+from deixis.frames import WORLD, Array
 from deixis.hints import either
 from deixis.pieces import Strays
 from deixis.regions import (
@@ -58,6 +58,13 @@ HUGE: Final = 1.0e4
 
 TINY: Final = 1.0e-3
 """Metres: where no thing is longer than this the unit is more likely kilometres."""
+
+
+LARGE: Final = 10.0
+"""Metres: where half of the things, surfaces apart, are longer than this the unit is more likely smaller."""
+
+UNLIKE: Final = 1.0e3
+"""Times as long as half of the others: a thing that is longer yet is more likely in another unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -334,5 +341,26 @@ def _oddities(scene: Scene) -> list[str]:
         notes.append(f"object {quoted(thing.id)}: {extents[position]:,.0f} m long: is the unit millimetres?")
     if len(extents) and float(extents.max()) < TINY:
         notes.append(f"scene {quoted(scene.id)}: nothing is longer than 1 mm: is the unit kilometres?")
+    notes += _odd_lengths(scene, extents)
     turns = [(f"view {quoted(view.id)}: ", turned_oddly("heading", view.heading)) for view in scene.views]
     return notes + [name + note for name, note in turns if note]
+
+
+def _odd_lengths(scene: Scene, extents: Array) -> list[str]:
+    """Return sentences on objects that are too long, all of them or one beside the others."""
+    things = np.array([at for at, thing in enumerate(scene.objects) if thing.kind == "object"], dtype=int)
+    lengths = extents[things]
+    if not len(things) or lengths.max() > HUGE:
+        return []
+    middle = float(np.median(lengths))
+    if middle > LARGE:
+        what = f"half of its objects are {middle:,.0f} m long or more"
+        return [f"scene {quoted(scene.id)}: {what}: is the unit centimetres or millimetres?"]
+    # Whichever of the longer half is left out, the median of the others is this.
+    others = float(np.median(np.sort(lengths)[:-1])) if len(things) > 1 else 0.0
+    unlike = things[lengths > UNLIKE * others] if others > 0.0 else things[:0]
+    return [
+        f"object {quoted(scene.objects[at].id)}: {extents[at]:,.3g} m long, and half of the others at most "
+        f"{others:.2g} m: is its unit another?"
+        for at in map(int, unlike)
+    ]
