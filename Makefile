@@ -2,7 +2,8 @@
 BIN := .venv/bin
 SCENE ?= kb/scenes/hans.json
 WORKERS ?= 2
-PYTEST := $(BIN)/pytest -n $(WORKERS) --dist loadfile
+# In the order of tests/conftest.py; of itself it would begin with the files that have most tests.
+PYTEST := $(BIN)/pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder
 # What `make setup` brings: every command works with it, and nothing takes long to install.
 EXTRAS := --extra mesh --extra rdf --extra server
 LOCK := UV_CUSTOM_COMPILE_COMMAND="make lock" uv pip compile --quiet --universal --python-version 3.11 \

@@ -20,6 +20,36 @@ settings.register_profile("quick", max_examples=50, derandomize=True, deadline=N
 settings.register_profile("long", max_examples=2000, deadline=None, print_blob=True)
 settings.load_profile("quick")
 
+SLOW = {
+    f"test_{name}.py"
+    for name in [
+        "batch",
+        "batch_ray",
+        "campaign",
+        "catalogue",
+        "endpoint_living",
+        "endpoint_safety",
+        "endpoint_store",
+        "executors",
+        "history",
+        "notebooks",
+        "oracles",
+        "page_follows",
+        "perception",
+        "postgis",
+        "prepositions",
+        "readme",
+        "regions",
+        "tiles",
+        "view_page",
+    ]
+}
+"""Files that take long: begun first, so that no processor is left alone with one at the end."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.path.name not in SLOW)
+
 
 @pytest.fixture(scope="session")
 def root() -> Path:
