@@ -17,6 +17,7 @@
 :- use_module(facts).
 :- use_module(margins).
 :- use_module(outline).
+:- use_module(refusals).
 :- use_module(verbalise).
 :- use_module(words).
 

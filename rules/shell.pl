@@ -179,7 +179,7 @@ why_not(Goal) :-
     ;   explain:refusal(Goal, Node),
         outline:print_proof(Node),
         strip_module(Goal, _, Plain),
-        forall(verbalise:hindrance(Plain, Text), format("  ~s~n", [Text])),
+        forall(refusals:hindrance(Plain, Text), format("  ~s~n", [Text])),
         (   Node = node(_, _, _, _, [Miss])
         ->  words:saying(comes_closest, [], Said),
             format("~s~n", [Said]),

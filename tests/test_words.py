@@ -159,7 +159,7 @@ def test_the_words_in_python_are_those_of_english(said: dict[str, list[tuple[str
 
 def test_no_sentence_is_written_outside_the_language_files(root: Path) -> None:
     """What has no name of a template is punctuation or an amount's format."""
-    for name in ("verbalise", "naming", "amounts", "outline"):
+    for name in ("verbalise", "refusals", "naming", "amounts", "outline"):
         text = (root / "rules" / f"{name}.pl").read_text(encoding="utf-8")
         lines = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL).splitlines()
         code = "\n".join(line.split("%")[0] for line in lines)

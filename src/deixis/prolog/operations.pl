@@ -53,7 +53,7 @@ no_reason(Goal, Reply) :-
     ->  verbalise:node_text(Node, Sentence),
         Reply = _{ holds: true, text: Sentence, misses: [], hindrance: null, because: [] }
     ;   verbalise:denied_text(Goal, Sentence),
-        (   verbalise:hindrance(Goal, Hindrance) -> true ; Hindrance = null ),
+        (   refusals:hindrance(Goal, Hindrance) -> true ; Hindrance = null ),
         explain:misses(question:Goal, Nodes),
         maplist(miss, Nodes, Misses),
         clauses(Goal, Nodes, Clauses),
@@ -68,16 +68,16 @@ clauses(Goal, _, [Text]) :-
 clauses(Goal, [Nearest|_], Texts) :-
     !,
     verbalise:subject(Goal, Subject),
-    verbalise:obstacles(Nearest, Subject, Texts).
+    refusals:obstacles(Nearest, Subject, Texts).
 clauses(_, [], []).
 
 hindered(Goal, Text) :-
     verbalise:subject(Goal, Subject),
-    verbalise:going_on(Goal, verbalise:hindrance(Goal, Text), Subject, _).
+    verbalise:going_on(Goal, refusals:hindrance(Goal, Text), Subject, _).
 
 miss(Node, _{ derivation: Dict, obstacles: Texts }) :-
     outline:node_dict(Node, Dict),
-    verbalise:obstacles(Node, none, Texts).
+    refusals:obstacles(Node, none, Texts).
 
 %   contrast(Text, Other): why the one holds, why the other does not, and both in a sentence.
 
